@@ -1,1 +1,18 @@
-//! (front page to come)
+//! What a program is: pure nodes that float, continuations that are placed, one jump per body.
+//!
+//! (The page of theory grows with the crate; until then read the modules in this order.)
+
+pub mod ty;
+pub mod lit;
+pub mod op;
+pub mod program;
+pub mod world;
+mod fold;
+pub mod scope;
+
+pub use lit::{Lit, NAN_BITS};
+pub use op::Op;
+pub use program::*;
+pub use scope::Scope;
+pub use ty::{Scalar, Ty, TyKind};
+pub use world::World;
