@@ -1,0 +1,349 @@
+//! The film: where samples of radiance are summed.
+//!
+//! A sum of floating-point numbers depends on their order, and one in f32 even stops growing (69 % too dark after
+//! 2^26 samples of 0.1). Here each sample is rounded once, by itself, to a multiple of 2^-64, and these integers
+//! are summed in 128 bits, which is exact. So no order of arrival, thread, tile, device or merge can change a bit,
+//! and partial renders add up to the very bits of the whole (Law 9; accuracy.md, N21).
+//!
+//! A sample s becomes the integer nearest to s·2^64 (ties to even). With |s| <= 2^31, 2^32 of them stay within
+//! 2^127, so the sum cannot overflow. Every f32 of magnitude 2^-41 or more is represented exactly.
+//!
+//! ```
+//! use jerboa_lib_render::host::film::{Film, Window};
+//! let mut film = Film::new(Window { x: 0, y: 0, width: 2, height: 1 });
+//! film.add([0, 0], [0.25, 0.5, 1.0]);
+//! film.add([0, 0], [0.75, 0.5, 0.0]);
+//! film.add([1, 0], [f32::NAN, 0.0, 0.0]);
+//! assert_eq!(film.mean().pixels, [[0.5, 0.5, 0.5], [0.0; 3]]);
+//! assert_eq!(film.dropped(), 1);
+//! ```
+
+use super::error::Error;
+use super::image_io::Image;
+
+/// Fraction bits of the fixed-point sums.
+const FRACTION_BITS: i32 = 64;
+
+/// Largest magnitude of a sample's channel that is accepted: 2^31.
+///
+/// 2^31 · 2^64 · 2^32 samples = 2^127, the room of an `i128`.
+pub const RANGE: f32 = 2_147_483_648.0;
+
+/// A rectangle of pixels of the full image. Row 0 is the top.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Leftmost column.
+    pub x: u32,
+    /// Topmost row.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Window {
+    /// Index of pixel `[column, row]` of the full image within this window, row by row; `None` outside it.
+    pub fn index(&self, [x, y]: [u32; 2]) -> Option<usize> {
+        let (dx, dy) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
+        (dx < self.width && dy < self.height)
+            .then(|| dy as usize * self.width as usize + dx as usize)
+    }
+
+    /// Number of pixels.
+    pub fn area(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Whether every pixel of `inner` lies in this window.
+    pub fn contains(&self, inner: &Window) -> bool {
+        let inside = |lo: u32, n: u32, inner_lo: u32, inner_n: u32| {
+            inner_lo >= lo && inner_lo as u64 + inner_n as u64 <= lo as u64 + n as u64
+        };
+        inside(self.x, self.width, inner.x, inner.width)
+            && inside(self.y, self.height, inner.y, inner.height)
+    }
+}
+
+/// One pixel: three exact sums in units of 2^-64, and how many samples they hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Pixel {
+    sum: [i128; 3],
+    count: u32,
+}
+
+/// Exact sums of linear RGB samples over a window of the image.
+///
+/// A tile's film is a film with a smaller window: threads fill one each and [`Film::merge`] them, in any order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Film {
+    window: Window,
+    pixels: Vec<Pixel>,
+    dropped: u64,
+}
+
+impl Film {
+    /// An empty film over `window`. It takes 64 bytes a pixel.
+    pub fn new(window: Window) -> Film {
+        Film {
+            window,
+            pixels: vec![Pixel::default(); window.area()],
+            dropped: 0,
+        }
+    }
+
+    /// The pixels this film holds.
+    pub fn window(&self) -> Window {
+        self.window
+    }
+
+    /// Adds one sample (linear RGB radiance) to `pixel`, given as column and row of the full image.
+    ///
+    /// A sample with a channel that is not finite or above [`RANGE`] in magnitude is dropped whole and counted: it
+    /// enters neither the sum nor the number of samples. Negative values are accepted.
+    ///
+    /// # Panics
+    /// If `pixel` lies outside the window, which is an error of the caller.
+    pub fn add(&mut self, pixel: [u32; 2], sample: [f32; 3]) {
+        let index = self
+            .window
+            .index(pixel)
+            .expect("Film::add: pixel outside the film's window");
+        // NaN compares false, so it is dropped too.
+        if sample.iter().all(|s| s.abs() <= RANGE) {
+            let pixel = &mut self.pixels[index];
+            pixel.count += 1;
+            for (sum, s) in pixel.sum.iter_mut().zip(sample) {
+                *sum += to_fixed(s);
+            }
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// Adds all samples of `part`, whose window must lie within this one's.
+    pub fn merge(&mut self, part: &Film) -> Result<(), Error> {
+        if !self.window.contains(&part.window) {
+            return Err(Error::new(format!(
+                "Film::merge: a part over {:?} does not lie within {:?}; merge into the film of the larger window",
+                part.window, self.window
+            )));
+        }
+        let width = part.window.width as usize;
+        for (dy, row) in part.pixels.chunks(width.max(1)).enumerate() {
+            let start = [part.window.x, part.window.y + dy as u32];
+            let start = self
+                .window
+                .index(start)
+                .expect("the part's rows lie within the window");
+            for (into, from) in self.pixels[start..start + width].iter_mut().zip(row) {
+                into.count += from.count;
+                for (sum, part_sum) in into.sum.iter_mut().zip(from.sum) {
+                    *sum += part_sum;
+                }
+            }
+        }
+        self.dropped += part.dropped;
+        Ok(())
+    }
+
+    /// Samples accepted by `pixel`, given as column and row of the full image; 0 outside the window.
+    pub fn count(&self, pixel: [u32; 2]) -> u32 {
+        self.window
+            .index(pixel)
+            .map_or(0, |index| self.pixels[index].count)
+    }
+
+    /// Samples dropped because a channel was not finite or above [`RANGE`].
+    pub fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// The image of the window: per pixel and channel the exact mean, rounded once to f32; black where no sample is.
+    pub fn mean(&self) -> Image {
+        let mean = |p: &Pixel| p.sum.map(|sum| round_mean(sum, p.count));
+        Image {
+            width: self.window.width,
+            height: self.window.height,
+            pixels: self.pixels.iter().map(mean).collect(),
+        }
+    }
+}
+
+/// The integer nearest to s·2^64. The product is exact in f64, and so is the rounding to an integer.
+fn to_fixed(s: f32) -> i128 {
+    (f64::from(s) * f64::from(FRACTION_BITS).exp2()).round_ties_even() as i128
+}
+
+/// `sum`·2^-64 / `count`, correctly rounded to f32 (nearest, ties to even); 0 without samples.
+fn round_mean(sum: i128, count: u32) -> f32 {
+    if count == 0 {
+        return 0.0;
+    }
+    // Shifted so that the quotient keeps at least 31 bits; the remainder's existence goes into its last bit, so that
+    // the one rounding, in the conversion to f32, sees on which side of a tie the exact value lies.
+    let magnitude = sum.unsigned_abs();
+    let shift = magnitude.leading_zeros().saturating_sub(1).min(63);
+    let shifted = magnitude << shift;
+    let quotient =
+        (shifted / u128::from(count)) | u128::from(!shifted.is_multiple_of(u128::from(count)));
+    // 2^-64 / 2^32 is far above the denormals, so scaling by a power of two is exact. Two steps keep the factor in range.
+    let mean = quotient as f32 * (-FRACTION_BITS as f32).exp2() * (-(shift as f32)).exp2();
+    if sum < 0 { -mean } else { mean }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE: Window = Window {
+        x: 0,
+        y: 0,
+        width: 1,
+        height: 1,
+    };
+
+    /// A film of one pixel after `count` samples of which each doubling is a merge with itself.
+    fn doubled(mut film: Film, times: u32) -> Film {
+        for _ in 0..times {
+            let copy = film.clone();
+            film.merge(&copy).unwrap();
+        }
+        film
+    }
+
+    /// Samples that depend on an index only; spread over many magnitudes and both signs.
+    fn sample(i: u32) -> [f32; 3] {
+        let hash = |k: u32| {
+            (i ^ k)
+                .wrapping_mul(0x9e37_79b9)
+                .rotate_left(13)
+                .wrapping_mul(0x85eb_ca6b)
+        };
+        [1, 2, 3].map(|k| {
+            let h = hash(k);
+            let scale = ((h & 63) as f32 - 32.0).exp2().min(RANGE);
+            ((h >> 8) as f32 / 16_777_216.0 - 0.25) * scale
+        })
+    }
+
+    #[test]
+    fn t20_two_to_the_26_equal_samples_have_that_mean() {
+        let mut film = Film::new(ONE);
+        film.add([0, 0], [0.1, 1e-6, 12345.678]);
+        let film = doubled(film, 26);
+        assert_eq!(film.count([0, 0]), 1 << 26);
+        assert_eq!(film.mean().pixels, [[0.1, 1e-6, 12345.678]]);
+    }
+
+    #[test]
+    fn t20_two_to_the_26_exponential_samples_have_their_mean() {
+        // 2^16 stratified samples of exp(1), each 2^10 times; the mean is compared with the sum in f64.
+        let mut film = Film::new(ONE);
+        let mut exact = 0.0_f64;
+        for i in 0..1 << 16 {
+            let x = -((f64::from(i) + 0.5) / 65536.0).ln() as f32;
+            film.add([0, 0], [x; 3]);
+            exact += f64::from(x) / 65536.0;
+        }
+        let [mean, ..] = doubled(film, 10).mean().pixels[0];
+        assert!((f64::from(mean) / exact - 1.0).abs() <= 1e-6);
+        assert!((exact - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn neither_order_nor_tiles_change_a_bit() {
+        let window = Window {
+            x: 3,
+            y: 5,
+            width: 4,
+            height: 3,
+        };
+        let pixel = |i: u32| [3 + i % 4, 5 + i / 4 % 3];
+        let mut forward = Film::new(window);
+        (0..5000).for_each(|i| forward.add(pixel(i), sample(i)));
+        let mut backward = Film::new(window);
+        (0..5000)
+            .rev()
+            .for_each(|i| backward.add(pixel(i), sample(i)));
+        assert_eq!(forward, backward);
+
+        let mut merged = Film::new(window);
+        for tile in [(5, 6, 2, 2), (3, 5, 4, 1), (3, 6, 2, 2)] {
+            let mut film = Film::new(Window {
+                x: tile.0,
+                y: tile.1,
+                width: tile.2,
+                height: tile.3,
+            });
+            let inside = (0..5000)
+                .filter(|&i| film.window().index(pixel(i)).is_some())
+                .collect::<Vec<_>>();
+            inside
+                .into_iter()
+                .for_each(|i| film.add(pixel(i), sample(i)));
+            merged.merge(&film).unwrap();
+        }
+        assert_eq!(forward, merged);
+        let bits = |film: &Film| {
+            film.mean()
+                .pixels
+                .iter()
+                .flatten()
+                .map(|c| c.to_bits())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(bits(&forward), bits(&merged));
+    }
+
+    #[test]
+    fn a_mean_is_rounded_once() {
+        // The exact mean of the two samples is 1 + 2^-24 + 2^-51: just above the tie that a sum in f32 rounds down.
+        let mut film = Film::new(ONE);
+        film.add([0, 0], [1.0, -1.0, 0.0]);
+        film.add(
+            [0, 0],
+            [1.0 + 2.0_f32.powi(-23), -1.0 - 2.0_f32.powi(-23), 0.0],
+        );
+        for _ in 0..2 {
+            film.add([0, 0], [1.0 + 2.0_f32.powi(-23), -1.0, 0.0]);
+        }
+        // 1 + 3/4 · 2^-23 rounds up; -1 - 1/4 · 2^-23 rounds towards -1.
+        assert_eq!(film.mean().pixels, [[1.0 + f32::EPSILON, -1.0, 0.0]]);
+        assert_eq!(
+            round_mean(to_fixed(2.0) + to_fixed(f32::EPSILON) + 1, 2),
+            1.0 + f32::EPSILON
+        );
+        assert_eq!(round_mean(to_fixed(2.0) + to_fixed(f32::EPSILON), 2), 1.0);
+        assert_eq!(round_mean(i128::MAX, u32::MAX), RANGE);
+        assert_eq!(round_mean(1, u32::MAX), 2.0_f32.powi(-96));
+    }
+
+    #[test]
+    fn a_sample_outside_the_range_is_dropped_whole() {
+        let mut film = Film::new(ONE);
+        for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 3e9, -3e9] {
+            film.add([0, 0], [1.0, bad, 1.0]);
+        }
+        film.add([0, 0], [RANGE, -RANGE, -0.5]);
+        assert_eq!((film.dropped(), film.count([0, 0])), (5, 1));
+        assert_eq!(film.mean().pixels, [[RANGE, -RANGE, -0.5]]);
+    }
+
+    #[test]
+    fn a_part_outside_the_window_is_refused() {
+        let mut film = Film::new(ONE);
+        let part = Film::new(Window {
+            x: 0,
+            y: 1,
+            width: 1,
+            height: 1,
+        });
+        assert!(
+            film.merge(&part)
+                .unwrap_err()
+                .to_string()
+                .contains("does not lie within")
+        );
+    }
+}

@@ -1,0 +1,16 @@
+//! The host half of the renderer: plain data and plain Rust, no staged code.
+//!
+//! What is here lays out a scene for the kernels, keeps what they produce and measures it. No component file
+//! (those that build IR) imports anything from here; the arrow points the other way only through tables.
+//! In reading order:
+//!
+//! * [`error`]: what a user is told when something of his cannot be used,
+//! * [`film`]: the exact, order-free sum of samples,
+//! * [`image_io`]: linear images in memory and on disk,
+//! * [`compare`]: how far an image is from a reference, and whether noise explains it.
+
+pub mod compare;
+pub mod error;
+pub mod film;
+pub mod image_io;
+mod student;
