@@ -1,1 +1,4 @@
 //! (front page to come)
+
+pub mod cli;
+pub mod host;

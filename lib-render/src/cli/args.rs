@@ -1,0 +1,407 @@
+//! The words of the command line, exactly as scripts use them.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// A path tracer that specialises itself for the scene it is given.
+#[derive(Debug, Parser)]
+#[command(name = "jerboa", version)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Measure how far images are from a reference
+    Compare(CompareArgs),
+}
+
+/// The scene that is rendered when none is named.
+pub const DEFAULT_SCENE: &str = "builtin:cornell-box";
+
+/// What a specialization knows about the scene (it never changes the image).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum KnownArg {
+    /// Nothing: a generic renderer that dispatches at run time
+    Nothing,
+    /// Kinds, flags and counts: changing a number needs no compilation
+    #[default]
+    Structure,
+    /// Numbers too: every value becomes a literal
+    All,
+}
+
+/// Where kernels run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DeviceArg {
+    /// All cores, machine code by Cranelift
+    #[default]
+    Cpu,
+}
+
+/// What a path is traced for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TracerArg {
+    /// Light transport
+    #[default]
+    Path,
+    /// Shading normals at the first hit
+    Normals,
+    /// Base colour at the first hit
+    Albedo,
+    /// Distance to the first hit
+    Depth,
+}
+
+/// How shading normals may differ from the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ShadingNormalsArg {
+    /// A closed mesh never leaks light
+    #[default]
+    Consistent,
+    /// As the reference images have it
+    Free,
+}
+
+/// What `jerboa dump` shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StageArg {
+    /// The renderer before it has seen the scene
+    Generic,
+    /// What is left of it for this scene
+    Residual,
+    /// What Cranelift compiles
+    Clif,
+    /// The machine code
+    Asm,
+}
+
+/// A pixel: column and row, from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelArg(pub [u32; 2]);
+
+impl std::str::FromStr for PixelArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<PixelArg, String> {
+        numbers(text)
+            .map(PixelArg)
+            .ok_or_else(|| "expected X,Y, as in 120,80".into())
+    }
+}
+
+/// A rectangle of pixels: left column, top row, width and height, both at least 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CropArg(pub [u32; 4]);
+
+impl std::str::FromStr for CropArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<CropArg, String> {
+        let crop = numbers(text).filter(|[_, _, width, height]| *width > 0 && *height > 0);
+        crop.map(CropArg)
+            .ok_or_else(|| "expected X,Y,W,H with W and H at least 1, as in 0,0,64,64".into())
+    }
+}
+
+/// `N` whole numbers separated by commas.
+fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
+    let numbers = text
+        .split(',')
+        .map(|n| n.trim().parse().ok())
+        .collect::<Option<Vec<u32>>>()?;
+    numbers.try_into().ok()
+}
+
+/// `text` as a finite number.
+fn finite(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f32| x.is_finite())
+        .ok_or_else(|| "expected a finite number".into())
+}
+
+/// `text` as a finite number that is not negative.
+fn finite_not_negative(text: &str) -> Result<f32, String> {
+    finite(text)
+        .ok()
+        .filter(|x| *x >= 0.0)
+        .ok_or_else(|| "expected a finite number, 0 or more".into())
+}
+
+/// `text` as a probability above 0: a cap of 0 would end every path.
+fn probability(text: &str) -> Result<f32, String> {
+    finite(text)
+        .ok()
+        .filter(|x| *x > 0.0 && *x <= 1.0)
+        .ok_or_else(|| "expected a number above 0, at most 1".into())
+}
+
+/// `text` as a time in seconds above 0.
+fn seconds(text: &str) -> Result<f32, String> {
+    finite(text)
+        .ok()
+        .filter(|x| *x > 0.0)
+        .ok_or_else(|| "expected a number of seconds above 0".into())
+}
+
+/// Words of `jerboa render`.
+#[derive(Clone, Debug, Args)]
+pub struct RenderArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// Where the image goes: .exr is linear, .png is exposed, clamped to [0, 1] and sRGB-encoded
+    #[arg(short, long, value_name = "OUT", default_value = "out.png")]
+    pub output: PathBuf,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: u32,
+    /// Width in pixels [default: the camera's extras.width, else 1280]
+    #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub width: Option<u32>,
+    /// Height in pixels [default: the camera's extras.height, else by its aspect]
+    #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub height: Option<u32>,
+    /// Longest path in edges: 1 sees lights, 2 adds direct light [default: unlimited]
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_depth: Option<u32>,
+    /// Another seed gives another, independent image
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u32,
+    /// What the renderer is specialised for
+    #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
+    pub known: KnownArg,
+    /// Where to render
+    #[arg(long, value_name = "DEVICE", value_enum, default_value_t)]
+    pub device: DeviceArg,
+    /// What to show
+    #[arg(long, value_name = "TRACER", value_enum, default_value_t)]
+    pub tracer: TracerArg,
+    /// A camera of the scene by name [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// How shading normals may differ from the surface
+    #[arg(long, value_name = "MODE", value_enum, default_value_t)]
+    pub shading_normals: ShadingNormalsArg,
+    /// Light the scene by this .hdr or .exr environment map
+    #[arg(long, value_name = "FILE")]
+    pub env: Option<PathBuf>,
+    /// Turn the environment about the vertical axis, in degrees
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
+    pub env_rotation: Option<f32>,
+    /// Multiply the environment's radiance
+    #[arg(long, value_name = "X", value_parser = finite_not_negative)]
+    pub env_strength: Option<f32>,
+    /// Russian roulette may end a path from its N-th scattering on
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub rr_depth: u32,
+    /// Largest probability with which roulette lets a path go on
+    #[arg(long, value_name = "C", default_value_t = 1.0, value_parser = probability)]
+    pub rr_cap: f32,
+    /// Render these pixels only, exactly as they are in the full image
+    #[arg(long, value_name = "X,Y,W,H")]
+    pub crop: Option<CropArg>,
+    /// Exposure of a PNG in stops: its values are multiplied by 2^EV
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Stop after this time and write what is there
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time_limit: Option<f32>,
+    /// Print spp, rays, seconds by phase and dropped samples as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Words of `jerboa dump`.
+#[derive(Clone, Debug, Args)]
+pub struct DumpArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    pub scene: String,
+    /// What to show
+    #[arg(long, value_enum)]
+    pub stage: StageArg,
+    /// This kernel only [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub kernel: Option<String>,
+    /// What the renderer is specialised for
+    #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
+    pub known: KnownArg,
+}
+
+/// Words of `jerboa time`.
+#[derive(Clone, Debug, Args)]
+pub struct TimeArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    pub scene: String,
+    /// Print the times as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Words of `jerboa explain`.
+#[derive(Clone, Debug, Args)]
+pub struct ExplainArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    pub scene: String,
+    /// This kernel only [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub kernel: Option<String>,
+}
+
+/// Words of `jerboa trace`.
+#[derive(Clone, Debug, Args)]
+pub struct TraceArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    pub scene: String,
+    /// Column and row of the pixel, from the top left
+    #[arg(long, value_name = "X,Y")]
+    pub pixel: PixelArg,
+    /// Number of the sample, from 0
+    #[arg(long, value_name = "N")]
+    pub sample: u32,
+}
+
+/// Words of `jerboa compare`.
+#[derive(Clone, Debug, Args)]
+#[command(override_usage = "jerboa compare [OPTIONS] <A>... <REF>")]
+pub struct CompareArgs {
+    /// The images whose mean is compared and, last, the reference (.exr, .hdr or .png)
+    #[arg(value_name = "IMAGE", num_args = 2.., required = true)]
+    pub images: Vec<PathBuf>,
+    /// Variance of the reference's mean: an image (per pixel and channel) or a number
+    #[arg(long, value_name = "V")]
+    pub ref_variance: Option<String>,
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write a picture of the difference: red where A is brighter, blue where it is darker
+    #[arg(long, value_name = "OUT.png")]
+    pub diff: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A command line that consists of the words of one subcommand.
+    #[derive(Debug, Parser)]
+    struct Only<A: Args> {
+        #[command(flatten)]
+        args: A,
+    }
+
+    fn parse<A: Args>(words: &str) -> Result<A, clap::Error> {
+        Only::<A>::try_parse_from(["jerboa"].into_iter().chain(words.split_whitespace()))
+            .map(|only| only.args)
+    }
+
+    #[test]
+    fn clap_finds_no_fault_in_the_declarations() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+        Only::<RenderArgs>::command().debug_assert();
+        Only::<DumpArgs>::command().debug_assert();
+        Only::<TimeArgs>::command().debug_assert();
+        Only::<ExplainArgs>::command().debug_assert();
+        Only::<TraceArgs>::command().debug_assert();
+    }
+
+    #[test]
+    fn render_alone_renders_the_default_scene() {
+        let args: RenderArgs = parse("").unwrap();
+        assert_eq!(
+            (args.scene.as_str(), args.output, args.spp),
+            (DEFAULT_SCENE, "out.png".into(), 64)
+        );
+        assert_eq!(
+            (args.known, args.tracer),
+            (KnownArg::Structure, TracerArg::Path)
+        );
+        assert_eq!((args.rr_depth, args.rr_cap, args.max_depth), (3, 1.0, None));
+        assert_eq!(args.shading_normals, ShadingNormalsArg::Consistent);
+    }
+
+    #[test]
+    fn every_word_of_render_is_understood() {
+        let args: RenderArgs = parse(
+            "a.glb -o b.exr --spp 16 --width 40 --height 30 --max-depth 16 --seed 7 --known all --device cpu \
+             --tracer depth --camera Main --shading-normals free --env sky.hdr --env-rotation -90 --env-strength 2 \
+             --rr-depth 5 --rr-cap 0.95 --crop 1,2,3,4 --exposure -1.5 --threads 2 --time-limit 10 --json",
+        )
+        .unwrap();
+        assert_eq!(
+            (args.scene.as_str(), args.output),
+            ("a.glb", "b.exr".into())
+        );
+        assert_eq!(
+            (args.spp, args.width, args.height, args.max_depth),
+            (16, Some(40), Some(30), Some(16))
+        );
+        assert_eq!(
+            (args.seed, args.known, args.tracer),
+            (7, KnownArg::All, TracerArg::Depth)
+        );
+        assert_eq!(
+            (args.env_rotation, args.env_strength, args.exposure),
+            (Some(-90.0), Some(2.0), -1.5)
+        );
+        assert_eq!(
+            (args.crop, args.threads, args.time_limit),
+            (Some(CropArg([1, 2, 3, 4])), Some(2), Some(10.0))
+        );
+        assert!(args.json && args.camera.as_deref() == Some("Main"));
+    }
+
+    #[test]
+    fn the_other_subcommands_parse() {
+        let dump: DumpArgs =
+            parse("a.glb --stage residual --kernel shade --known nothing").unwrap();
+        assert_eq!(
+            (dump.stage, dump.known),
+            (StageArg::Residual, KnownArg::Nothing)
+        );
+        assert!(parse::<TimeArgs>("a.glb --json").unwrap().json);
+        assert_eq!(
+            parse::<ExplainArgs>("a.glb --kernel shade")
+                .unwrap()
+                .kernel
+                .as_deref(),
+            Some("shade")
+        );
+        let trace: TraceArgs = parse("a.glb --pixel 120,80 --sample 3").unwrap();
+        assert_eq!((trace.pixel, trace.sample), (PixelArg([120, 80]), 3));
+        let compare: CompareArgs =
+            parse("a.exr b.exr ref.exr --ref-variance v.exr --diff d.png").unwrap();
+        assert_eq!(compare.images.len(), 3);
+    }
+
+    #[test]
+    fn values_without_a_meaning_are_refused() {
+        for words in [
+            "--spp 0",
+            "--width 0",
+            "--crop 1,2,3",
+            "--crop 1,2,0,4",
+            "--rr-cap 0",
+            "--rr-cap 1.1",
+            "--env-strength -1",
+            "--exposure nan",
+            "--time-limit 0",
+            "--known some",
+            "--threads 0",
+            "--rr-depth 0",
+            "--max-depth 0",
+        ] {
+            assert!(parse::<RenderArgs>(words).is_err(), "{words}");
+        }
+        assert!(parse::<TraceArgs>("a.glb --pixel 1 --sample 0").is_err());
+        assert!(parse::<CompareArgs>("ref.exr").is_err());
+    }
+}

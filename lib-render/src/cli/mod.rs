@@ -1,0 +1,92 @@
+//! The command line: words in, one readable line out when something is wrong.
+//!
+//! [`args`] declares the words, each other file does what its subcommand says. Whatever fails, the command writes
+//! one line to stderr and exits with code 1; a reader that closes the pipe early (`jerboa … | head`) is no failure.
+
+pub mod args;
+mod compare;
+
+use crate::host::error::Error;
+use args::{Cli, Command};
+use clap::Parser;
+use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+/// Runs the command line `words`, whose first is the program's name, and returns the process's exit code.
+pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let done = match Cli::try_parse_from(words) {
+        Ok(cli) => dispatch(cli.command),
+        Err(help) if !help.use_stderr() => print(&help.render().to_string()),
+        Err(usage) => Err(one_line(&usage)),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Nobody is left to tell if stderr is closed too.
+            let _ = writeln!(std::io::stderr(), "jerboa: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<(), Error> {
+    match command {
+        Command::Compare(args) => print(&compare::report(&args)?),
+    }
+}
+
+/// Writes `text` to stdout. A closed pipe means that the reader has seen enough.
+fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::new(format!("cannot write to stdout: {e}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The first paragraph of a usage error, which says what is wrong, on one line.
+fn one_line(usage: &clap::Error) -> Error {
+    let text = usage.render().to_string();
+    let paragraph = text
+        .lines()
+        .take_while(|line| !line.trim().is_empty())
+        .map(str::trim);
+    let line = paragraph.collect::<Vec<_>>().join(" ");
+    Error::new(format!(
+        "{} (jerboa --help lists the words)",
+        line.trim_start_matches("error: ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn usage_error(words: &str) -> String {
+        one_line(&Cli::try_parse_from(words.split(' ')).expect_err("a usage error")).to_string()
+    }
+
+    #[test]
+    fn usage_errors_are_one_line() {
+        let unknown = usage_error("jerboa compare a.exr b.exr --frob");
+        assert_eq!(
+            unknown,
+            "unexpected argument '--frob' found (jerboa --help lists the words)"
+        );
+        assert!(usage_error("jerboa compare a.exr").contains("A"));
+        for words in [
+            "jerboa compare",
+            "jerboa frob",
+            "jerboa compare a.exr b.exr --diff",
+        ] {
+            let line = usage_error(words);
+            assert!(!line.contains('\n') && line.len() > 40, "{line}");
+        }
+    }
+}
