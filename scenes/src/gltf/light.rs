@@ -1,0 +1,116 @@
+//! KHR_lights_punctual and cameras.
+
+use super::Loader;
+use super::json::Json;
+use crate::error::warn;
+use crate::{Camera, Error, Light, LightKind};
+use glam::DAffine3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+impl<'a> Loader<'a> {
+    /// Adds the light that a node's extension refers to.
+    pub fn light(&mut self, reference: &Json<'a>, to_world: DAffine3) -> Result<(), Error> {
+        let Some(list) = self.root.extension("KHR_lights_punctual") else {
+            return Err(reference.fault("the file has no KHR_lights_punctual lights"));
+        };
+        let (_, at) = reference.refer(&list, "lights", "lights")?;
+        let kind = at.need("type")?;
+        let kind = match kind.text()? {
+            "point" => LightKind::Point,
+            "directional" => LightKind::Directional,
+            "spot" => {
+                let cone = at.need("spot")?;
+                let inner = cone.number_or("innerConeAngle", 0.0)?;
+                let outer = cone.number_or("outerConeAngle", FRAC_PI_4)?;
+                if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-6) {
+                    return Err(cone.fault("cone angles must be 0 <= inner < outer <= pi/2"));
+                }
+                LightKind::Spot {
+                    inner: inner as f32,
+                    outer: outer as f32,
+                }
+            }
+            other => return Err(kind.fault(format!("{other} is none of point, spot, directional"))),
+        };
+        let strength = at.number_or("intensity", 1.0)?;
+        let intensity = at
+            .numbers_or("color", [1.0; 3])?
+            .map(|c| (c * strength) as f32);
+        if intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
+            return Err(at.fault("color x intensity must be finite and not negative"));
+        }
+        self.scene.lights.push(Light {
+            name: at.name(),
+            kind,
+            intensity,
+            to_world,
+        });
+        Ok(())
+    }
+
+    /// Adds the camera that a node refers to.
+    pub fn camera(
+        &mut self,
+        reference: &Json<'a>,
+        node: &Json,
+        to_world: DAffine3,
+    ) -> Result<(), Error> {
+        let (_, at) = reference.refer(&self.root, "cameras", "cameras")?;
+        let kind = at.need("type")?;
+        match kind.text()? {
+            "perspective" => {}
+            "orthographic" => {
+                warn(
+                    &mut self.scene.warnings,
+                    &at.path,
+                    "orthographic cameras are left out",
+                );
+                return Ok(());
+            }
+            other => {
+                return Err(kind.fault(format!("{other} is neither perspective nor orthographic")));
+            }
+        }
+        let lens = at.need("perspective")?;
+        let place = lens.need("yfov")?;
+        let yfov = place.number()?;
+        if !(yfov > 0.0 && yfov < PI) {
+            return Err(place.fault(format!("{yfov} is not between 0 and pi")));
+        }
+        let aspect = lens.get("aspectRatio").map(|a| a.number()).transpose()?;
+        if let Some(bad) = aspect.filter(|a| *a <= 0.0) {
+            return Err(lens.fault(format!("an aspect ratio of {bad}")));
+        }
+        let film = at
+            .get("extras")
+            .map(|extras| film(&extras))
+            .transpose()?
+            .flatten();
+        let name = if at.name().is_empty() {
+            node.name()
+        } else {
+            at.name()
+        };
+        self.scene.cameras.push(Camera {
+            name,
+            to_world,
+            yfov,
+            aspect,
+            film,
+        });
+        Ok(())
+    }
+}
+
+/// Film size from a camera's extras: both numbers or neither.
+fn film(extras: &Json) -> Result<Option<(u32, u32)>, Error> {
+    const SIDE: u64 = 65536;
+    let (Some(width), Some(height)) = (extras.get("width"), extras.get("height")) else {
+        return Ok(None);
+    };
+    let side = |at: &Json| match at.integer()? {
+        n @ 1..=SIDE => Ok(n as u32),
+        n => Err(at.fault(format!("a film of {n} pixels a side, not 1 to {SIDE}"))),
+    };
+    Ok(Some((side(&width)?, side(&height)?)))
+}

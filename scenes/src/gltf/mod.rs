@@ -1,0 +1,147 @@
+//! glTF 2.0 (.gltf and .glb) to a [`Scene`], trusting nothing in the file.
+//!
+//! The JSON is read as a tree of values by readers that know the path they stand at, so that every fault names its
+//! place, and node transforms keep JSON's double precision. Only what the chosen scene reaches is read: a broken image
+//! that no material uses costs nothing and complains about nothing.
+
+mod accessor;
+mod container;
+mod environment;
+pub(crate) mod folder;
+mod json;
+mod light;
+mod material;
+mod mesh;
+mod nodes;
+mod texture;
+
+use crate::error::warn;
+use crate::{Error, Limits, Scene};
+use accessor::Bytes;
+use json::Json;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+
+/// The extensions that are read. Any other is an error where the file requires it, else a warning.
+const EXTENSIONS: [&str; 10] = [
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// A scene under construction. The maps go from an index in the file to what it became here.
+struct Loader<'a> {
+    root: Json<'a>,
+    bin: Option<&'a [u8]>,
+    limits: &'a Limits,
+    /// KHR_mesh_quantization is in use.
+    quantized: bool,
+    scene: Scene,
+    buffers: HashMap<usize, Bytes<'a>>,
+    meshes: HashMap<usize, Range<usize>>,
+    /// `None` is glTF's default material.
+    materials: HashMap<Option<usize>, usize>,
+    /// `None` where the image cannot be had.
+    textures: HashMap<usize, Option<usize>>,
+    images: HashMap<usize, Option<usize>>,
+    geometry_left: u64,
+    images_left: u64,
+}
+
+/// Loads a .gltf or .glb file.
+pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
+    let bytes = folder::read(file, limits)?;
+    let (json, bin) = container::split(file, &bytes)?;
+    let value = container::parse(file, json, limits)?;
+    let root = Json::root(file, &value);
+    let mut scene = Scene {
+        name: file
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into(),
+        ..Scene::default()
+    };
+    check_version(&root)?;
+    let quantized = check_extensions(&root, &mut scene)?;
+    if root.len("animations") > 0 {
+        warn(
+            &mut scene.warnings,
+            "animations",
+            "animations are ignored: the scene is shown at rest",
+        );
+    }
+    let chosen = chosen_scene(&root)?;
+    let mut loader = Loader {
+        root,
+        bin,
+        limits,
+        quantized,
+        scene,
+        buffers: HashMap::new(),
+        meshes: HashMap::new(),
+        materials: HashMap::new(),
+        textures: HashMap::new(),
+        images: HashMap::new(),
+        geometry_left: limits.geometry_bytes,
+        images_left: limits.images_bytes,
+    };
+    loader.nodes(chosen.as_ref())?;
+    if let Some(chosen) = &chosen {
+        loader.environment(chosen)?;
+    }
+    Ok(loader.scene)
+}
+
+fn check_version(root: &Json) -> Result<(), Error> {
+    let asset = root.need("asset")?;
+    let version = asset
+        .get("minVersion")
+        .map_or_else(|| asset.need("version"), Ok)?;
+    match version.text()?.split('.').next() {
+        Some("2") => Ok(()),
+        _ => Err(version.fault(format!("glTF version {}, not 2", version.text()?))),
+    }
+}
+
+/// Returns whether KHR_mesh_quantization is in use.
+fn check_extensions(root: &Json, scene: &mut Scene) -> Result<bool, Error> {
+    for required in root.list("extensionsRequired")? {
+        let name = required.text()?;
+        if !EXTENSIONS.contains(&name) {
+            return Err(Error::Extension {
+                file: root.file.into(),
+                name: name.into(),
+            });
+        }
+    }
+    let mut quantized = false;
+    for used in root.list("extensionsUsed")? {
+        let name = used.text()?;
+        quantized |= name == "KHR_mesh_quantization";
+        if !EXTENSIONS.contains(&name) {
+            warn(
+                &mut scene.warnings,
+                &used.path,
+                format!("{name} is unknown and ignored"),
+            );
+        }
+    }
+    Ok(quantized)
+}
+
+/// The scene that `scene` names, else the first, else none.
+fn chosen_scene<'a>(root: &Json<'a>) -> Result<Option<Json<'a>>, Error> {
+    match root.get("scene") {
+        Some(index) => Ok(Some(index.refer(root, "scenes", "scenes")?.1)),
+        None => Ok(root.list("scenes")?.into_iter().next()),
+    }
+}

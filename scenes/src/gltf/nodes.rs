@@ -1,0 +1,172 @@
+//! The node tree, walked without recursion: transforms composed in double precision, cycles and shared nodes refused.
+
+use super::Loader;
+use super::json::Json;
+use crate::error::warn;
+use crate::{Error, Instance};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+
+/// A node still to visit.
+struct Visit<'a> {
+    index: usize,
+    node: Json<'a>,
+    parent: DAffine3,
+    depth: usize,
+}
+
+impl<'a> Loader<'a> {
+    /// Walks the trees under the roots of `scene`, or, without a scene, under every node that is no other's child.
+    pub fn nodes(&mut self, scene: Option<&Json<'a>>) -> Result<(), Error> {
+        let roots = match scene {
+            Some(scene) => self.children(scene, "nodes")?,
+            None => self.orphans()?,
+        };
+        let visit = |parent, depth| {
+            move |(index, node)| Visit {
+                index,
+                node,
+                parent,
+                depth,
+            }
+        };
+        let mut visited = vec![false; self.root.len("nodes")];
+        let mut stack: Vec<Visit> = roots
+            .into_iter()
+            .rev()
+            .map(visit(DAffine3::IDENTITY, 1))
+            .collect();
+        while let Some(Visit {
+            index,
+            node,
+            parent,
+            depth,
+        }) = stack.pop()
+        {
+            if std::mem::replace(&mut visited[index], true) {
+                return Err(node.fault("reached twice: it has two parents, or is its own ancestor"));
+            }
+            if depth > self.limits.node_depth {
+                let limit = format!("{} (node_depth)", self.limits.node_depth);
+                return Err(node.limit_fault(format!("a node tree of {depth} levels"), limit));
+            }
+            let to_world = parent * transform(&node)?;
+            if !usable(&to_world) {
+                let message = "the transform is singular or leaves single precision: the node and all below it are left out";
+                warn(&mut self.scene.warnings, &node.path, message);
+                continue;
+            }
+            self.contents(&node, to_world)?;
+            stack.extend(
+                self.children(&node, "children")?
+                    .into_iter()
+                    .rev()
+                    .map(visit(to_world, depth + 1)),
+            );
+        }
+        Ok(())
+    }
+
+    /// What a node carries: a mesh, a camera, a light.
+    fn contents(&mut self, node: &Json<'a>, to_world: DAffine3) -> Result<(), Error> {
+        if let Some(reference) = node.get("mesh") {
+            if node.get("skin").is_some() {
+                warn(
+                    &mut self.scene.warnings,
+                    &node.path,
+                    "skins are ignored: the mesh is shown as modelled",
+                );
+            }
+            for mesh in self.meshes(&reference)? {
+                self.instance(node, mesh, to_world)?;
+            }
+        }
+        if let Some(reference) = node.get("camera") {
+            self.camera(&reference, node, to_world)?;
+        }
+        if let Some(light) = node.extension("KHR_lights_punctual") {
+            self.light(&light.need("light")?, to_world)?;
+        }
+        Ok(())
+    }
+
+    fn instance(&mut self, node: &Json<'a>, mesh: usize, to_world: DAffine3) -> Result<(), Error> {
+        let (low, high) = self.scene.meshes[mesh].bounds();
+        let corner = |i: u32| {
+            let pick = |axis: usize| {
+                f64::from(if i >> axis & 1 == 0 {
+                    low[axis]
+                } else {
+                    high[axis]
+                })
+            };
+            to_world.transform_point3(DVec3::from_array([0, 1, 2].map(pick)))
+        };
+        if !(0..8).all(|i| corner(i).as_vec3().is_finite()) {
+            warn(
+                &mut self.scene.warnings,
+                &node.path,
+                "the mesh leaves single precision in the world and is left out",
+            );
+            return Ok(());
+        }
+        if self.scene.instances.len() == self.limits.instances {
+            let limit = format!("{} (instances)", self.limits.instances);
+            return Err(node.limit_fault("one more instance".into(), limit));
+        }
+        self.scene.instances.push(Instance { mesh, to_world });
+        Ok(())
+    }
+
+    fn children(&self, at: &Json<'a>, key: &str) -> Result<Vec<(usize, Json<'a>)>, Error> {
+        at.list(key)?
+            .iter()
+            .map(|child| child.refer(&self.root, "nodes", "nodes"))
+            .collect()
+    }
+
+    fn orphans(&self) -> Result<Vec<(usize, Json<'a>)>, Error> {
+        let nodes = self.root.list("nodes")?;
+        let mut has_parent = vec![false; nodes.len()];
+        for node in &nodes {
+            for (child, _) in self.children(node, "children")? {
+                has_parent[child] = true;
+            }
+        }
+        Ok(nodes
+            .into_iter()
+            .enumerate()
+            .filter(|(i, _)| !has_parent[*i])
+            .collect())
+    }
+}
+
+/// A node's transform to its parent: `matrix`, or translation · rotation · scale.
+fn transform(node: &Json) -> Result<DAffine3, Error> {
+    if let Some(place) = node.get("matrix") {
+        let matrix = DMat4::from_cols_array(&place.numbers::<16>()?);
+        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+            return Err(place.fault("the last row is not 0, 0, 0, 1"));
+        }
+        return Ok(DAffine3::from_mat4(matrix));
+    }
+    let rotation = DQuat::from_array(node.numbers_or("rotation", [0.0, 0.0, 0.0, 1.0])?);
+    if rotation.length_squared() < 1e-12 {
+        return Err(node.need("rotation")?.fault("a quaternion of length 0"));
+    }
+    let scale = DVec3::from_array(node.numbers_or("scale", [1.0; 3])?);
+    let translation = DVec3::from_array(node.numbers_or("translation", [0.0; 3])?);
+    Ok(DAffine3::from_scale_rotation_translation(
+        scale,
+        rotation.normalize(),
+        translation,
+    ))
+}
+
+/// Invertible, and finite also once rounded to single precision.
+fn usable(to_world: &DAffine3) -> bool {
+    let finite = to_world
+        .to_cols_array()
+        .iter()
+        .all(|x| (*x as f32).is_finite());
+    finite && to_world.matrix3.determinant().is_normal() && to_world.inverse().is_finite()
+}

@@ -1,0 +1,156 @@
+//! Textures, samplers and images. An image is decoded only when a material in use needs it.
+
+use super::Loader;
+use super::folder::{Resolved, resolve};
+use super::json::Json;
+use crate::error::warn;
+use crate::texture::check_size;
+use crate::{Error, Filter, Image, Texture, TextureSource, Wrap};
+use image::{ImageDecoder, ImageFormat};
+use std::io::Cursor;
+
+impl<'a> Loader<'a> {
+    /// The scene's texture for the index at `reference`; `None`, with a warning, when its image cannot be had.
+    pub fn texture(&mut self, reference: &Json<'a>) -> Result<Option<usize>, Error> {
+        let (index, at) = reference.refer(&self.root, "textures", "textures")?;
+        if let Some(&known) = self.textures.get(&index) {
+            return Ok(known);
+        }
+        let webp = at
+            .extension("EXT_texture_webp")
+            .and_then(|ext| ext.get("source"));
+        let new = match webp.or_else(|| at.get("source")) {
+            Some(source) => self.image(&source)?,
+            None => {
+                warn(
+                    &mut self.scene.warnings,
+                    &at.path,
+                    "a texture without an image of a known format is left out",
+                );
+                None
+            }
+        };
+        let new = match new {
+            None => None,
+            Some(image) => {
+                let sampler = at
+                    .get("sampler")
+                    .map(|s| s.refer(&self.root, "samplers", "samplers"))
+                    .transpose()?;
+                let texture = read_texture(&at, image, sampler.map(|(_, s)| s))?;
+                self.scene.textures.push(texture);
+                Some(self.scene.textures.len() - 1)
+            }
+        };
+        self.textures.insert(index, new);
+        Ok(new)
+    }
+
+    fn image(&mut self, reference: &Json<'a>) -> Result<Option<usize>, Error> {
+        let (index, at) = reference.refer(&self.root, "images", "images")?;
+        if let Some(&known) = self.images.get(&index) {
+            return Ok(known);
+        }
+        let new = match self.read_image(&at)? {
+            Ok(image) => {
+                self.scene.images.push(image);
+                Some(self.scene.images.len() - 1)
+            }
+            Err(reason) => {
+                let message = format!("the image cannot be had ({reason}): white is used instead");
+                warn(&mut self.scene.warnings, &at.path, message);
+                None
+            }
+        };
+        self.images.insert(index, new);
+        Ok(new)
+    }
+
+    /// The outer error ends the load; the inner one, a reason, only loses the image.
+    fn read_image(&mut self, at: &Json<'a>) -> Result<Result<Image, String>, Error> {
+        if let Some(uri) = at.get("uri") {
+            return match resolve(&uri, self.limits)? {
+                Resolved::Bytes(bytes) => self.decode(at, &bytes),
+                Resolved::Missing(error) => Ok(Err(error.to_string())),
+            };
+        }
+        match at.get("bufferView") {
+            Some(reference) => {
+                let (bytes, start, length, _) = self.view(&reference)?;
+                self.decode(at, &bytes[start..start + length])
+            }
+            None => Ok(Err("it has neither uri nor bufferView".into())),
+        }
+    }
+
+    /// Decodes PNG, JPEG or WebP, told by their first bytes (the stated type is often wrong), once header and limits agree.
+    fn decode(&mut self, at: &Json, bytes: &[u8]) -> Result<Result<Image, String>, Error> {
+        let format = image::guess_format(bytes);
+        let Some(format) = format
+            .ok()
+            .filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP))
+        else {
+            return Ok(Err("neither PNG, JPEG nor WebP".into()));
+        };
+        let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
+        let mut limits = image::Limits::default();
+        // The decoder's own working memory: 16-bit channels and a row or two beside the image.
+        limits.max_alloc = Some(self.limits.image_bytes.saturating_mul(3));
+        reader.limits(limits);
+        let decoder = match reader.into_decoder() {
+            Ok(decoder) => decoder,
+            Err(e) => return Ok(Err(e.to_string())),
+        };
+        let (width, height) = decoder.dimensions();
+        check_size(at.file, &at.path, [width, height], 4, self.limits)?;
+        let cost = u64::from(width) * u64::from(height) * 4;
+        self.images_left = self.images_left.checked_sub(cost).ok_or_else(|| {
+            let limit = format!("{} bytes in all (images_bytes)", self.limits.images_bytes);
+            at.limit_fault(
+                format!("the images up to here, {width} x {height} texels more,"),
+                limit,
+            )
+        })?;
+        Ok(match image::DynamicImage::from_decoder(decoder) {
+            Ok(decoded) => {
+                let rgba = decoded.into_rgba8().pixels().map(|p| p.0).collect();
+                Ok(Image {
+                    name: at.name(),
+                    width,
+                    height,
+                    rgba,
+                })
+            }
+            Err(e) => Err(e.to_string()),
+        })
+    }
+}
+
+fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Texture, Error> {
+    let get = |key, default| {
+        sampler
+            .as_ref()
+            .map_or(Ok(default), |s| s.integer_or(key, default))
+    };
+    let wrap = |key| {
+        Ok(match get(key, 10497)? {
+            10497 => Wrap::Repeat,
+            33648 => Wrap::Mirror,
+            33071 => Wrap::Clamp,
+            other => return Err(at.fault(format!("{other} is not a wrap mode"))),
+        })
+    };
+    let filter = match get("magFilter", 9729)? {
+        9728 => Filter::Nearest,
+        9729 => Filter::Bilinear,
+        other => return Err(at.fault(format!("{other} is not a magnification filter"))),
+    };
+    let source = TextureSource::Image(image);
+    Ok(Texture {
+        name: at.name(),
+        source,
+        wrap_s: wrap("wrapS")?,
+        wrap_t: wrap("wrapT")?,
+        filter,
+    })
+}

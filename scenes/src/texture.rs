@@ -1,0 +1,107 @@
+//! Textures: an image or a pattern, and how it is looked up.
+
+use crate::{Error, Limits};
+use std::path::Path;
+
+/// What a texture coordinate outside 0..1 means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// Periodic.
+    #[default]
+    Repeat,
+    /// Periodic, every other copy mirrored.
+    Mirror,
+    /// The edge texel continues.
+    Clamp,
+}
+
+/// How texels become a value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// The texel at `floor(u · width), floor(v · height)`.
+    Nearest,
+    /// Four texels around, centres at half integers. There are no mipmaps: samples within a pixel filter minified ones.
+    #[default]
+    Bilinear,
+}
+
+/// What a texture is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TextureSource {
+    /// Index into [`Scene::images`](crate::Scene::images). Whether it is sRGB or linear is decided by its use.
+    Image(usize),
+    /// Unit squares of uv, `even` where `floor(u) + floor(v)` is even. Linear RGB; wrap and filter do not apply.
+    Checkerboard {
+        /// Linear RGB of the square at the origin.
+        even: [f32; 3],
+        /// Linear RGB of its neighbours.
+        odd: [f32; 3],
+    },
+}
+
+/// A texture as a material refers to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// The author's name, for messages.
+    pub name: String,
+    /// Texels or pattern.
+    pub source: TextureSource,
+    /// Along u.
+    pub wrap_s: Wrap,
+    /// Along v.
+    pub wrap_t: Wrap,
+    /// From glTF's magnification filter.
+    pub filter: Filter,
+}
+
+/// Eight-bit RGBA texels as the file has them (not yet linear). Row 0 is the top, v = 0.
+///
+/// Grey is replicated, a missing alpha is 255, 16-bit channels are rounded to 8. Colour profiles and PNG gamma are ignored,
+/// as glTF asks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The author's name, for messages.
+    pub name: String,
+    /// Texels per row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Row by row, `width · height` of them.
+    pub rgba: Vec<[u8; 4]>,
+}
+
+/// Refuses an image before it is decoded: no texels, or more than the limits allow.
+pub(crate) fn check_size(
+    file: &Path,
+    path: &str,
+    [width, height]: [u32; 2],
+    texel: u64,
+    limits: &Limits,
+) -> Result<(), Error> {
+    let too_large = |limit| Error::Limit {
+        file: file.into(),
+        path: path.into(),
+        what: format!("an image of {width} x {height} texels"),
+        limit,
+    };
+    if width == 0 || height == 0 {
+        return Err(Error::Value {
+            file: file.into(),
+            path: path.into(),
+            reason: "an image without texels".into(),
+        });
+    }
+    if width.max(height) > limits.image_side {
+        return Err(too_large(format!(
+            "{} texels a side (image_side)",
+            limits.image_side
+        )));
+    }
+    if u64::from(width) * u64::from(height) * texel > limits.image_bytes {
+        return Err(too_large(format!(
+            "{} bytes decoded (image_bytes)",
+            limits.image_bytes
+        )));
+    }
+    Ok(())
+}
