@@ -9,6 +9,7 @@ pub mod program;
 pub mod world;
 mod fold;
 pub mod scope;
+pub mod lang;
 
 pub use lit::{Lit, NAN_BITS};
 pub use op::Op;

@@ -203,7 +203,7 @@ fn free_params(p: &Program, uses: &[u32], sets: &mut Sets) -> Vec<u32> {
         direct.push(set);
     }
     let owned_by = |c: usize, e: u32| {
-        e % 2 == 0 && matches!(p.node(NodeId(e / 2)), Node::Param { cont, .. } if cont.index() == c)
+        e.is_multiple_of(2) && matches!(p.node(NodeId(e / 2)), Node::Param { cont, .. } if cont.index() == c)
     };
     let mut mentioned: Vec<Vec<usize>> = Vec::with_capacity(p.conts.len());
     let mut users: Vec<Vec<usize>> = vec![Vec::new(); p.conts.len()];
