@@ -10,6 +10,7 @@ pub mod world;
 mod fold;
 pub mod scope;
 pub mod lang;
+pub mod interp;
 
 pub use lit::{Lit, NAN_BITS};
 pub use op::Op;

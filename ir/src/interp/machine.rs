@@ -1,0 +1,382 @@
+//! One run: jump after jump.
+
+use super::heap::{At, Heap, Value};
+use super::*;
+use crate::op::Rule;
+use crate::ty::{Scalar, Ty, TyKind};
+
+/// The continuation that ends the run.
+const RETURN: ContId = ContId(u32::MAX);
+
+/// Cell of a frame that holds the frame around it; the nodes' cells follow.
+const AROUND: usize = 0;
+const FIRST_SLOT: usize = 1;
+
+/// State of a run.
+pub(super) struct Machine<'a, O> {
+    code: &'a Interp<'a>,
+    memory: &'a mut [Memory],
+    limits: Limits,
+    observer: &'a mut O,
+    heap: Heap,
+    /// The frames around the current point, by level; the last is the current one, the first holds the constants.
+    display: Vec<At>,
+    /// Arguments of the jump under way.
+    args: Vec<Value>,
+    /// Nodes being evaluated, each waiting for the next one.
+    pending: Vec<NodeId>,
+}
+
+impl<'a, O: Observer> Machine<'a, O> {
+    pub fn new(code: &'a Interp<'a>, memory: &'a mut [Memory], limits: Limits, observer: &'a mut O) -> Self {
+        let constants = code.places.iter().filter(|p| p.level == 0).count();
+        let mut heap = Heap::new();
+        let display = vec![heap.filled(FIRST_SLOT + constants, Value::Absent)];
+        Machine { code, memory, limits, observer, heap, display, args: Vec::new(), pending: Vec::new() }
+    }
+
+    pub fn run(mut self, entry: ContId, args: &[Lit]) -> Result<Vec<Lit>, Stop> {
+        self.pass_arguments(entry, args)?;
+        let mut cont = entry;
+        let mut around = self.display[0];
+        loop {
+            if self.limits.fuel == 0 {
+                return Err(Stop::Fuel);
+            }
+            self.limits.fuel -= 1;
+            around = self.collect_if_due(around)?;
+            self.enter(cont, around);
+            match self.jump(cont)? {
+                Value::Closure { cont: RETURN, .. } => break,
+                Value::Closure { cont: next, frame } => (cont, around) = (next, frame),
+                other => unreachable!("jump to {other:?}"),
+            }
+        }
+        let mut results = Vec::new();
+        self.args.iter().for_each(|v| self.scalars(*v, &mut results));
+        Ok(results)
+    }
+
+    /// The run's arguments, and the return at the end.
+    fn pass_arguments(&mut self, entry: ContId, args: &[Lit]) -> Result<(), Stop> {
+        let cont = self.code.program.cont(entry);
+        let wrong = |why: String| fault(cont.loc, format!("`{}` cannot be run: {why}", cont.name));
+        let Some((_, params)) = cont.params.split_last().filter(|(last, _)| last.ty.params().is_some()) else {
+            return wrong("its last parameter is no return".to_string());
+        };
+        let mut rest = args.iter().copied();
+        for param in params {
+            match self.argument(param.ty, &mut rest) {
+                Some(value) => self.args.push(value),
+                None => return wrong(format!("the arguments do not fit a parameter of type {}", param.ty)),
+            }
+        }
+        if rest.next().is_some() {
+            return wrong(format!("{} arguments are too many", args.len()));
+        }
+        self.args.push(Value::Closure { cont: RETURN, frame: self.display[0] });
+        Ok(())
+    }
+
+    /// A value of this type made of the next scalars.
+    fn argument(&mut self, ty: Ty, scalars: &mut dyn Iterator<Item = Lit>) -> Option<Value> {
+        let mut list = |machine: &mut Self, types: &[Ty]| {
+            let values = types.iter().map(|t| machine.argument(*t, scalars)).collect::<Option<Vec<_>>>()?;
+            Some(Value::Object(machine.heap.object(values.into_iter())))
+        };
+        match ty.kind() {
+            TyKind::Scalar(s) => scalars.next().filter(|l| l.scalar() == *s).map(Value::Lit),
+            TyKind::Row(_) => scalars.next().filter(|l| l.scalar() == Scalar::U32).map(Value::Lit),
+            TyKind::Vector(s, n) => list(self, &vec![Ty::scalar(*s); *n as usize]),
+            TyKind::Tuple(elems) => list(self, elems),
+            TyKind::Fn(_) | TyKind::Local(..) => None,
+        }
+    }
+
+    /// The scalars that a value is made of.
+    fn scalars(&self, value: Value, out: &mut Vec<Lit>) {
+        match value {
+            Value::Lit(lit) => out.push(lit),
+            Value::Object(at) => self.heap.cells(at).iter().for_each(|v| self.scalars(*v, out)),
+            other => unreachable!("{other:?} is no data"),
+        }
+    }
+
+    /// Between two jumps only the constants, the next frame's surroundings and the arguments are alive.
+    fn collect_if_due(&mut self, around: At) -> Result<At, Stop> {
+        if !self.heap.is_due() {
+            return Ok(around);
+        }
+        self.args.extend([Value::Object(self.display[0]), Value::Object(around)]);
+        let alive = self.heap.collect(&mut self.args);
+        let (Some(Value::Object(around)), Some(Value::Object(constants))) = (self.args.pop(), self.args.pop()) else {
+            unreachable!("pushed just now")
+        };
+        self.display = vec![constants];
+        if alive > self.limits.cells { Err(Stop::Limit) } else { Ok(around) }
+    }
+
+    /// Make the frame of a continuation, and the display right for it.
+    fn enter(&mut self, cont: ContId, around: At) {
+        let code = self.code;
+        let shape = &code.shapes[cont.index()];
+        let frame = self.heap.filled(FIRST_SLOT + shape.slots as usize, Value::Absent);
+        self.heap.set(frame, AROUND, Value::Object(around));
+        // What is left of the old display is a chain of frames, so the first frame that fits ends the walk.
+        let level = shape.level as usize;
+        self.display.truncate(level);
+        let known = self.display.len();
+        self.display.resize(level, At::MAX);
+        let mut at = around;
+        for l in (0..level).rev() {
+            if l < known && self.display[l] == at {
+                break;
+            }
+            self.display[l] = at;
+            if let Value::Object(next) = self.heap.get(at, AROUND) {
+                at = next;
+            }
+        }
+        self.display.push(frame);
+        self.observer.enter(cont);
+        for (i, param) in shape.params.iter().enumerate() {
+            if let Some(node) = param {
+                self.put(*node, self.args[i]);
+            }
+        }
+        self.args.clear();
+    }
+
+    /// Evaluate the jump of the current continuation: the callee, with its arguments in `args`.
+    fn jump(&mut self, cont: ContId) -> Result<Value, Stop> {
+        let code = self.code;
+        Ok(match &code.program.cont(cont).body {
+            Body::Unset => return fault(code.program.cont(cont).loc, "this continuation has no body"),
+            Body::Jump { callee, args, .. } => {
+                for arg in args {
+                    let value = self.eval(*arg);
+                    self.args.push(value);
+                }
+                self.eval(*callee)
+            }
+            Body::Branch { cond, then, other } => {
+                let taken = self.lit(*cond).as_bool().expect("a branch takes a bool");
+                self.eval(if taken { *then } else { *other })
+            }
+            Body::Switch { index, arms, default } => {
+                let index = self.index(*index);
+                let arm = arms.iter().find(|(number, _)| *number == index);
+                self.eval(arm.map_or(*default, |(_, arm)| *arm))
+            }
+            Body::Dispatch { row, arm } => {
+                let row = self.eval(*row);
+                self.args.push(row);
+                self.eval(*arm)
+            }
+            Body::Load { mem, index, next } => {
+                let loaded = self.load(*mem, *index, code.program.locs[next.index()])?;
+                self.args.push(loaded);
+                self.eval(*next)
+            }
+            Body::Store { mem, index, value, next } => {
+                let (at, value) = (self.index(*index), self.lit(*value));
+                self.store(*mem, at, value);
+                self.eval(*next)
+            }
+            Body::Local { scalar, len, next } => {
+                if *len as usize > self.limits.cells {
+                    return Err(Stop::Limit);
+                }
+                let zero = Value::Lit(Lit::from_word(*scalar, 0));
+                let local = self.heap.filled(*len as usize, zero);
+                self.args.push(Value::Object(local));
+                self.eval(*next)
+            }
+        })
+    }
+
+    fn load(&mut self, mem: Mem, index: NodeId, loc: Loc) -> Result<Value, Stop> {
+        let index = self.index(index);
+        let program = self.code.program;
+        Ok(match mem {
+            Mem::Local(array) => {
+                let cells = self.object(array);
+                let cells = self.heap.cells(cells);
+                cells[(index as usize).min(cells.len() - 1)]
+            }
+            Mem::Stream(column) if self.memory[column.buf.index()].rows == 0 => Value::Lit(self.decode(column, 0)),
+            Mem::Stream(column) => Value::Lit(self.word_at(column, index)),
+            Mem::Unchecked(column) => {
+                let rows = self.memory[column.buf.index()].rows;
+                if index >= rows {
+                    let name = &program.buffer(column.buf).name;
+                    return fault(loc, format!("unchecked read of `{name}` at {index}, which has {rows} rows"));
+                }
+                Value::Lit(self.word_at(column, index))
+            }
+        })
+    }
+
+    fn store(&mut self, mem: Mem, index: u32, value: Lit) {
+        match mem {
+            Mem::Local(array) => {
+                let cells = self.object(array);
+                if (index as usize) < self.heap.cells(cells).len() {
+                    self.heap.set(cells, index as usize, Value::Lit(value));
+                }
+            }
+            Mem::Stream(column) | Mem::Unchecked(column) => {
+                let memory = &mut self.memory[column.buf.index()];
+                if index < memory.rows {
+                    let buffer = self.code.program.buffer(column.buf);
+                    let word = buffer.word(memory.rows as usize, index as usize, column.col as usize);
+                    memory.words[word] = value.word();
+                }
+            }
+        }
+    }
+
+    /// What a column holds at an index, clamped to the last row.
+    fn word_at(&self, column: Column, index: u32) -> Lit {
+        let memory = &self.memory[column.buf.index()];
+        let row = index.min(memory.rows - 1);
+        let buffer = self.code.program.buffer(column.buf);
+        self.decode(column, memory.words[buffer.word(memory.rows as usize, row as usize, column.col as usize)])
+    }
+
+    fn decode(&self, column: Column, word: u32) -> Lit {
+        match self.code.program.column(column).ty {
+            ColTy::Scalar(s) => Lit::from_word(s, word),
+            ColTy::Ref(_) => Lit::U32(word),
+        }
+    }
+
+    fn lit(&mut self, node: NodeId) -> Lit {
+        match self.eval(node) {
+            Value::Lit(lit) => lit,
+            other => unreachable!("{other:?} is no scalar"),
+        }
+    }
+
+    fn index(&mut self, node: NodeId) -> u32 {
+        self.lit(node).as_u32().expect("an index is a u32")
+    }
+
+    fn object(&mut self, node: NodeId) -> At {
+        match self.eval(node) {
+            Value::Object(at) => at,
+            other => unreachable!("{other:?} is no object"),
+        }
+    }
+
+    /// The value of a node: from its cell, or evaluated now, without recursion however deep the node is.
+    fn eval(&mut self, node: NodeId) -> Value {
+        if let Ok(value) = self.get(node) {
+            return value;
+        }
+        self.pending.push(node);
+        while let Some(&next) = self.pending.last() {
+            match self.compute(next) {
+                Ok(value) => {
+                    self.put(next, value);
+                    self.pending.pop();
+                }
+                Err(operand) => self.pending.push(operand),
+            }
+        }
+        self.get(node).expect("evaluated just now")
+    }
+
+    /// The node's cell, or the node if it is not evaluated yet.
+    fn get(&self, node: NodeId) -> Result<Value, NodeId> {
+        let place = self.code.places[node.index()];
+        match self.heap.get(self.display[place.level as usize], FIRST_SLOT + place.slot as usize) {
+            Value::Absent => Err(node),
+            value => Ok(value),
+        }
+    }
+
+    fn put(&mut self, node: NodeId, value: Value) {
+        if let Value::Lit(lit) = value {
+            self.observer.value(node, lit);
+        }
+        let place = self.code.places[node.index()];
+        self.heap.set(self.display[place.level as usize], FIRST_SLOT + place.slot as usize, value);
+    }
+
+    /// A node's value from those of its operands, or an operand that has to be evaluated first.
+    fn compute(&mut self, node: NodeId) -> Result<Value, NodeId> {
+        Ok(match self.code.program.node(node) {
+            Node::Lit(lit) => Value::Lit(*lit),
+            Node::Param { .. } => unreachable!("entering sets the parameters"),
+            Node::Cont(cont) => {
+                let level = self.code.shapes[cont.index()].level as usize;
+                Value::Closure { cont: *cont, frame: self.display[level - 1] }
+            }
+            Node::Prim { op, args } => self.prim(*op, &args[..op.arity()])?,
+            Node::Pack(elems) | Node::Tuple(elems) => {
+                let mut values = Vec::with_capacity(elems.len());
+                for elem in elems {
+                    values.push(self.get(*elem)?);
+                }
+                Value::Object(self.heap.object(values.into_iter()))
+            }
+            Node::Lane { vector: x, lane } => self.component(*x, *lane as usize)?,
+            Node::Extract { tuple: x, index } => self.component(*x, *index as usize)?,
+            Node::Read { column, index } => match self.get(*index)? {
+                Value::Lit(Lit::U32(index)) => Value::Lit(self.word_at(*column, index)),
+                other => unreachable!("{other:?} is no index"),
+            },
+            Node::Row { index: x, .. } | Node::RowIndex(x) => self.get(*x)?,
+            Node::Known(_) => unreachable!("`known` occurs in filters only"),
+        })
+    }
+
+    fn component(&self, object: NodeId, index: usize) -> Result<Value, NodeId> {
+        match self.get(object)? {
+            Value::Object(at) => Ok(self.heap.get(at, index)),
+            other => unreachable!("{other:?} has no components"),
+        }
+    }
+
+    /// An operation: on scalars, or lane by lane.
+    fn prim(&mut self, op: crate::Op, args: &[NodeId]) -> Result<Value, NodeId> {
+        let mut values = [Value::Absent; 3];
+        for (value, arg) in values.iter_mut().zip(args) {
+            *value = self.get(*arg)?;
+        }
+        let mut lits = [Lit::Bool(false); 3];
+        let lanes = match values[0] {
+            Value::Object(at) => self.heap.cells(at).len(),
+            _ => {
+                for (lit, value) in lits.iter_mut().zip(&values[..args.len()]) {
+                    *lit = scalar(*value);
+                }
+                return Ok(Value::Lit(op.eval(&lits[..args.len()])));
+            }
+        };
+        let lane = |machine: &Self, arg: usize, lane: usize| match values[arg] {
+            Value::Object(at) => scalar(machine.heap.get(at, lane)),
+            other => unreachable!("{other:?} is no vector"),
+        };
+        if matches!(op.rule(), Rule::Lanes(_)) {
+            let all: Vec<Lit> = (0..lanes).map(|l| lane(self, 0, l)).collect();
+            return Ok(Value::Lit(op.eval(&all)));
+        }
+        let mut results = [Value::Absent; 16];
+        for (l, result) in results[..lanes].iter_mut().enumerate() {
+            for (arg, lit) in lits[..args.len()].iter_mut().enumerate() {
+                *lit = lane(self, arg, l);
+            }
+            *result = Value::Lit(op.eval(&lits[..args.len()]));
+        }
+        Ok(Value::Object(self.heap.object(results[..lanes].iter().copied())))
+    }
+}
+
+fn scalar(value: Value) -> Lit {
+    match value {
+        Value::Lit(lit) => lit,
+        other => unreachable!("{other:?} is no scalar"),
+    }
+}
