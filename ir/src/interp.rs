@@ -7,6 +7,7 @@
 //! Filters are never looked at. Of the rest of the crate it shares [`Op::eval`](crate::Op::eval), the meaning of the
 //! operations, and nothing else.
 
+mod eval;
 mod heap;
 mod machine;
 
