@@ -11,10 +11,16 @@ mod fold;
 pub mod scope;
 pub mod lang;
 pub mod interp;
+pub mod stats;
+mod layout;
+mod names;
+pub mod print;
 
 pub use lit::{Lit, NAN_BITS};
 pub use op::Op;
+pub use print::{SourceLines, print, print_with};
 pub use program::*;
 pub use scope::Scope;
+pub use stats::{Reach, Stats};
 pub use ty::{Scalar, Ty, TyKind};
 pub use world::World;
