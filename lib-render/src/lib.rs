@@ -1,4 +1,15 @@
-//! (front page to come)
+//! The rendering library: every component written once, as a constructor over staged values.
+//!
+//! (The page of theory grows with the crate; until then read the modules in this order.)
 
-pub mod cli;
+pub mod schema;
+pub mod core;
+pub mod ray;
+pub mod bsdf;
+pub mod material;
+pub mod light;
+pub mod geometry;
+pub mod shader;
+pub mod tracer;
 pub mod host;
+pub mod cli;

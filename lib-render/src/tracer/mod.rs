@@ -1,0 +1,64 @@
+//! Renderers: what happens to a path, never in which order (paper, section 4.6).
+//!
+//! Each function takes its outcomes as exits; a device connects them. `on_shadow` either traces a shadow ray or does not;
+//! `on_bounce` either goes on or ends the path.
+
+use jerboa_ir::lang::{Exit, F32, Fun, Never, U32};
+use jerboa_ir::{impl_staged, lang::Bool};
+
+use crate::core::color::Color;
+use crate::core::rng::Rng;
+use crate::geometry::SurfaceElement;
+use crate::material::Material;
+use crate::ray::{Hit, Ray};
+
+/// What a path carries from vertex to vertex.
+#[derive(Clone, Copy)]
+pub struct RayState {
+    /// Random numbers of this sample.
+    pub rng: Rng,
+    /// Pixel, counted over the whole film.
+    pub pixel: U32,
+    /// Sample.
+    pub sample: U32,
+    /// Number of the vertex this ray leads to: 1 is what the camera sees.
+    pub vertex: U32,
+    /// Product of the weights so far.
+    pub throughput: Color,
+    /// Product of the radiance scales of refraction in `throughput` (N22).
+    pub radiance_scale: F32,
+    /// Density per steradian with which the last BSDF sampled this ray.
+    pub pdf_dir: F32,
+    /// Could light sampling not have found what this ray hits? (Camera ray, or after a specular event.)
+    pub is_specular: Bool,
+    /// Absorption coefficient along this ray, 1/m.
+    pub absorption: Color,
+}
+impl_staged!(RayState { rng, pixel, sample, vertex, throughput, radiance_scale, pdf_dir, is_specular, absorption });
+
+/// (x, y on the film; sample) → first ray.
+pub type OnEmitFn = Fun<(U32, U32, U32), (Ray, RayState)>;
+/// A hit → what the surface itself adds to the path.
+pub type OnHitFn = Fun<(Ray, Hit, RayState, SurfaceElement, Material), Color>;
+/// A miss → what lies behind everything adds to the path.
+pub type OnMissFn = Fun<(Ray, RayState), Color>;
+/// A hit → a shadow ray and what it carries if it is not blocked, or nothing.
+pub type OnShadowFn = Fun<(Ray, Hit, RayState, SurfaceElement, Material, Exit<(Ray, Color)>, Exit<()>), Never>;
+/// A hit → the next ray, or the end of the path.
+pub type OnBounceFn = Fun<(Ray, Hit, RayState, SurfaceElement, Material, Exit<(Ray, RayState)>, Exit<()>), Never>;
+
+/// A renderer.
+#[derive(Clone, Copy)]
+pub struct Tracer {
+    /// Where paths start.
+    pub on_emit: OnEmitFn,
+    /// What a hit surface adds.
+    pub on_hit: OnHitFn,
+    /// What the surroundings add.
+    pub on_miss: OnMissFn,
+    /// Where shadow rays go.
+    pub on_shadow: OnShadowFn,
+    /// How a path goes on.
+    pub on_bounce: OnBounceFn,
+}
+impl_staged!(Tracer { on_emit, on_hit, on_miss, on_shadow, on_bounce });
