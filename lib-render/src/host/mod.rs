@@ -7,9 +7,11 @@
 //! * [`error`]: what a user is told when something of his cannot be used,
 //! * [`film`]: the exact, order-free sum of samples,
 //! * [`image_io`]: linear images in memory and on disk,
+//! * [`distribution`]: what to sample how often, as tables for light and environment choice,
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it.
 
 pub mod compare;
+pub mod distribution;
 pub mod error;
 pub mod film;
 pub mod image_io;

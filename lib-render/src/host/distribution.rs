@@ -1,0 +1,340 @@
+//! Piecewise-constant distributions, as flat tables that a kernel inverts by binary search.
+//!
+//! A table is a cumulative distribution: entry i is the probability of an index below i, so it begins with 0, ends
+//! with 1, and index i is drawn by a uniform u in [cdf\[i\], cdf\[i + 1\]). Inversion keeps the order of the numbers
+//! it is given, so well distributed samples stay so, which an alias table would destroy.
+//!
+//! *Probabilities are exact.* A uniform number has 24 bits (accuracy.md, N19), so the entries are rounded to multiples
+//! of 2^-24: then each cdf\[i + 1\] - cdf\[i\] is exact in f32, is precisely the share of numbers u that draw i, and
+//! these shares add up to exactly 1. Rounding never takes an index away: each positive weight gets at least 2^-24, so
+//! the density is positive wherever the weight is. Against the ideal p an entry errs by at most 2^-24·(2 + n·p).
+//!
+//! ```
+//! use jerboa_lib_render::host::distribution::Distribution1D;
+//! let lights = Distribution1D::new(&[1.0, 0.0, 3.0]);
+//! assert_eq!(lights.cdf, [0.0, 0.25, 0.25, 1.0]);
+//! assert_eq!((lights.sample(0.2), lights.sample(0.25)), (0, 2));
+//! ```
+
+use super::image_io::{Image, luminance};
+
+/// Parts into which the unit interval is divided: the number of distinct uniform numbers.
+const PARTS: u32 = 1 << 24;
+
+/// A distribution over the indices 0 .. n, for example over lights by their power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distribution1D {
+    /// n + 1 cumulative probabilities: multiples of 2^-24, ascending from 0 to 1.
+    pub cdf: Vec<f32>,
+}
+
+impl Distribution1D {
+    /// Probabilities in proportion to `weights`; uniform if none is positive.
+    ///
+    /// A weight that is negative, infinite or NaN counts as 0.
+    ///
+    /// # Panics
+    /// If there is no weight, or more than 2^24.
+    pub fn new(weights: &[f64]) -> Distribution1D {
+        assert!(
+            (1..=PARTS as usize).contains(&weights.len()),
+            "Distribution1D::new: {} weights; it takes 1 to 2^24",
+            weights.len()
+        );
+        let weight = |w: &f64| if w.is_finite() { w.max(0.0) } else { 0.0 };
+        let largest = weights.iter().map(weight).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Distribution1D::new(&vec![1.0; weights.len()]);
+        }
+        // Divided by the largest, the sum cannot overflow. A tiny weight may vanish in it, but not its one part.
+        let scaled = |w: &f64| weight(w) / largest;
+        let total = weights.iter().map(scaled).sum::<f64>();
+        let positive = weights.iter().filter(|w| weight(w) > 0.0).count() as u32;
+        // One part for each positive weight, the rest in proportion.
+        let (mut below, mut count) = (0.0, 0);
+        let mut cdf = vec![0.0];
+        for w in weights {
+            below += scaled(w);
+            count += u32::from(weight(w) > 0.0);
+            let parts = (f64::from(PARTS - positive) * (below / total)).round() as u32 + count;
+            cdf.push(parts as f32 / PARTS as f32);
+        }
+        Distribution1D { cdf }
+    }
+
+    /// Number of indices.
+    pub fn count(&self) -> usize {
+        self.cdf.len() - 1
+    }
+
+    /// The index drawn by the uniform number `u` in [0, 1).
+    pub fn sample(&self, u: f32) -> usize {
+        invert(&self.cdf, u)
+    }
+
+    /// The probability that `index` is drawn.
+    pub fn probability(&self, index: usize) -> f32 {
+        self.cdf[index + 1] - self.cdf[index]
+    }
+}
+
+/// A distribution over the cells of a grid: first a row, then a column in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distribution2D {
+    /// Columns.
+    pub width: usize,
+    /// Which row: `height + 1` cumulative probabilities.
+    pub rows: Distribution1D,
+    /// Which column, row by row: `width + 1` cumulative probabilities for each row; uniform in a row that is never drawn.
+    pub columns: Vec<f32>,
+}
+
+impl Distribution2D {
+    /// Probabilities in proportion to `weights`, given row by row in rows of `width`; uniform if none is positive.
+    ///
+    /// # Panics
+    /// If `weights` is not a whole number of rows, at least one, or a side is above 2^24.
+    pub fn new(width: usize, weights: &[f64]) -> Distribution2D {
+        assert!(
+            width > 0 && weights.len().is_multiple_of(width),
+            "Distribution2D::new: {} weights do not fill rows of {width}",
+            weights.len()
+        );
+        let rows = weights.chunks(width);
+        Distribution2D {
+            width,
+            rows: Distribution1D::new(
+                &rows.clone().map(|row| row.iter().sum()).collect::<Vec<_>>(),
+            ),
+            columns: rows.flat_map(|row| Distribution1D::new(row).cdf).collect(),
+        }
+    }
+
+    /// The distribution that draws directions towards an environment map.
+    ///
+    /// `map` is in latitude and longitude: row 0 is up, u wraps and v clamps. A kernel looks it up bilinearly with
+    /// texel centres at half integers, so within a cell the radiance mixes the texel with its eight neighbours: the
+    /// weight of a cell is the mean luminance of that mixture over the cell (1/8, 6/8, 1/8 along each axis), which is
+    /// positive wherever the mixture is, times the solid angle of the cell's row.
+    ///
+    /// With `p` the [`Self::probability`] of a cell, a uniform point in it has density p·width·height per unit
+    /// of (u, v), and its direction p·width·height / (2·pi²·sin(theta)) per steradian.
+    pub fn environment(map: &Image) -> Distribution2D {
+        let (width, height) = (map.width as usize, map.height as usize);
+        // What is no radiance counts as none.
+        let texel = |p: &[f32; 3]| {
+            Some(luminance(*p))
+                .filter(|l| l.is_finite())
+                .unwrap_or(0.0)
+                .max(0.0)
+        };
+        let texels = map.pixels.iter().map(texel).collect::<Vec<_>>();
+        let mean =
+            |before: f64, here: f64, after: f64| 0.125 * before + 0.75 * here + 0.125 * after;
+        let along_row = |y: usize, x: usize| {
+            let row = &texels[y * width..][..width];
+            mean(row[(x + width - 1) % width], row[x], row[(x + 1) % width])
+        };
+        let mixed = (0..width * height)
+            .map(|i| along_row(i / width, i % width))
+            .collect::<Vec<_>>();
+        let weight = |y: usize, x: usize| {
+            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
+            mean(
+                mixed[above * width + x],
+                mixed[y * width + x],
+                mixed[below * width + x],
+            ) * row_measure(y, height)
+        };
+        let weights = (0..width * height)
+            .map(|i| weight(i / width, i % width))
+            .collect::<Vec<_>>();
+        if weights.iter().all(|w| *w == 0.0) {
+            // A black map: uniform over the sphere.
+            let uniform = (0..width * height)
+                .map(|i| row_measure(i / width, height))
+                .collect::<Vec<_>>();
+            return Distribution2D::new(width, &uniform);
+        }
+        Distribution2D::new(width, &weights)
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.rows.count()
+    }
+
+    /// The cell, `[column, row]`, drawn by two uniform numbers in [0, 1); the second draws the row.
+    pub fn sample(&self, [u, v]: [f32; 2]) -> [usize; 2] {
+        let row = self.rows.sample(v);
+        [invert(self.columns_of(row), u), row]
+    }
+
+    /// The probability that the cell `[column, row]` is drawn: a product of two exact factors, rounded once.
+    pub fn probability(&self, [column, row]: [usize; 2]) -> f32 {
+        let columns = self.columns_of(row);
+        self.rows.probability(row) * (columns[column + 1] - columns[column])
+    }
+
+    fn columns_of(&self, row: usize) -> &[f32] {
+        &self.columns[row * (self.width + 1)..][..self.width + 1]
+    }
+}
+
+/// The last index whose cumulative probability is at most `u`: never one of probability 0, for these end where they begin.
+fn invert(cdf: &[f32], u: f32) -> usize {
+    cdf[1..cdf.len() - 1].partition_point(|below| *below <= u)
+}
+
+/// Solid angle of row `y` of `height` (per radian of azimuth): positive at the poles too, where sin(theta) vanishes.
+fn row_measure(y: usize, height: usize) -> f64 {
+    let cos = |edge: usize| (std::f64::consts::PI * edge as f64 / height as f64).cos();
+    cos(y) - cos(y + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ULP: f32 = 1.0 / PARTS as f32;
+
+    /// Every index is drawn by exactly its probability's share of the 2^24 uniform numbers, and these add up to 1.
+    fn check(d: &Distribution1D, weights: &[f64]) {
+        let total = weights.iter().sum::<f64>();
+        assert_eq!((d.cdf[0], d.cdf[weights.len()]), (0.0, 1.0));
+        for (i, weight) in weights.iter().enumerate() {
+            let (p, ideal) = (d.probability(i), weight / total);
+            assert_eq!(p > 0.0, *weight > 0.0, "index {i}");
+            let bound = f64::from(ULP) * (2.0 + weights.len() as f64 * ideal);
+            assert!(
+                (f64::from(p) - ideal).abs() <= bound,
+                "index {i}: {p} against {ideal}"
+            );
+            if p > 0.0 {
+                assert_eq!((d.sample(d.cdf[i]), d.sample(d.cdf[i + 1] - ULP)), (i, i));
+            }
+        }
+        let sum = (0..weights.len())
+            .map(|i| f64::from(d.probability(i)))
+            .sum::<f64>();
+        assert_eq!(sum, 1.0);
+    }
+
+    #[test]
+    fn probabilities_are_the_shares_of_the_uniform_numbers() {
+        let uneven = (0..1000).map(|i| f64::from(i * i % 97)).collect::<Vec<_>>();
+        let extreme = [1e-300, 0.0, 1e308, 1.0, 0.0, 1e-320];
+        for weights in [
+            &[1.0][..],
+            &[0.0, 5.0],
+            &[5.0, 0.0],
+            &[1.0, 2.0, 3.0],
+            &uneven,
+            &extreme,
+        ] {
+            check(&Distribution1D::new(weights), weights);
+        }
+    }
+
+    #[test]
+    fn without_a_usable_weight_the_choice_is_uniform() {
+        let nothing = [0.0, -1.0, f64::NAN, f64::INFINITY];
+        check(&Distribution1D::new(&nothing), &[1.0; 4]);
+        check(
+            &Distribution1D::new(&[-1.0, 2.0, f64::NAN]),
+            &[0.0, 2.0, 0.0],
+        );
+    }
+
+    /// A map of `width`x`height` that is black but for the given texels.
+    fn map(width: u32, height: u32, lit: &[(u32, u32, f32)]) -> Image {
+        let value = |x, y| {
+            lit.iter()
+                .find(|l| (l.0, l.1) == (x, y))
+                .map_or(0.0, |l| l.2)
+        };
+        Image::from_fn(width, height, |x, y| [value(x, y); 3])
+    }
+
+    fn total(d: &Distribution2D) -> f64 {
+        let cells = (0..d.height()).flat_map(|y| (0..d.width).map(move |x| [x, y]));
+        cells.map(|cell| f64::from(d.probability(cell))).sum()
+    }
+
+    #[test]
+    fn one_lit_texel_is_drawn_wherever_its_bilinear_footprint_reaches() {
+        // In the first column, so that the footprint wraps around.
+        let d = Distribution2D::environment(&map(8, 6, &[(0, 2, 5.0)]));
+        for (y, x) in (0..6).flat_map(|y| (0..8).map(move |x| (y, x))) {
+            let reached = (1..=3).contains(&y) && [7, 0, 1].contains(&x);
+            assert_eq!(d.probability([x, y]) > 0.0, reached, "column {x}, row {y}");
+        }
+        // Its own cell has 36 parts in 64 of what the row's solid angles weigh.
+        let ideal = 0.75 * 0.75 * row_measure(2, 6)
+            / (0.125 * row_measure(1, 6) + 0.75 * row_measure(2, 6) + 0.125 * row_measure(3, 6));
+        assert!((f64::from(d.probability([0, 2])) / ideal - 1.0).abs() < 1e-6);
+        assert!((total(&d) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn pole_rows_count_by_their_solid_angle() {
+        let d = Distribution2D::environment(&Image::from_fn(16, 4, |_, _| [2.0; 3]));
+        for y in 0..4 {
+            let share = row_measure(y, 4) / 2.0;
+            assert!((f64::from(d.rows.probability(y)) / share - 1.0).abs() < 1e-6);
+        }
+        // A lit pole clamps there: the row above the top is the top row itself.
+        let pole = Distribution2D::environment(&map(4, 4, &[(1, 0, 1.0)]));
+        let (top, next) = (0.875 * row_measure(0, 4), 0.125 * row_measure(1, 4));
+        assert!((f64::from(pole.rows.probability(0)) / (top / (top + next)) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_sun_of_1e6_leaves_the_sky_drawable() {
+        let sky = Image::from_fn(64, 32, |x, y| {
+            [if (x, y) == (40, 9) { 1e6 } else { 1e-3 }; 3]
+        });
+        let d = Distribution2D::environment(&sky);
+        assert!((0..32).all(|y| (0..64).all(|x| d.probability([x, y]) > 0.0)));
+        let sun = (8..=10).flat_map(|y| (39..=41).map(move |x| [x, y]));
+        assert!(sun.map(|cell| f64::from(d.probability(cell))).sum::<f64>() > 0.999);
+        assert!((total(&d) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_single_texel_is_always_drawn() {
+        for value in [0.0, 3.0, f32::NAN] {
+            let d = Distribution2D::environment(&map(1, 1, &[(0, 0, value)]));
+            assert_eq!(
+                (d.probability([0, 0]), d.sample([0.999, 0.0])),
+                (1.0, [0, 0])
+            );
+        }
+    }
+
+    #[test]
+    fn a_black_map_is_uniform_over_the_sphere() {
+        let d = Distribution2D::environment(&map(4, 8, &[]));
+        for y in 0..8 {
+            let ideal = row_measure(y, 8) / 8.0;
+            assert!((f64::from(d.probability([2, y])) / ideal - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_cell_is_drawn_as_often_as_its_probability_says() {
+        let sky = Image::from_fn(4, 3, |x, y| [(x * x + 3 * y) as f32; 3]);
+        let d = Distribution2D::environment(&sky);
+        let n = 512;
+        let mut drawn = [[0_u32; 4]; 3];
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let [x, y] = d.sample([i, j].map(|k| (k as f32 + 0.5) / n as f32));
+            drawn[y][x] += 1;
+        }
+        for (y, x) in (0..3).flat_map(|y| (0..4).map(move |x| (y, x))) {
+            let share = f64::from(drawn[y][x]) / f64::from(n * n);
+            // On a regular grid of points each of a cell's two extents is off by at most one point in n.
+            assert!((share - f64::from(d.probability([x, y]))).abs() <= 2.0 / f64::from(n));
+        }
+    }
+}
