@@ -56,7 +56,7 @@ impl Distribution1D {
         for w in weights {
             below += scaled(w);
             count += u32::from(weight(w) > 0.0);
-            let parts = (f64::from(PARTS - positive) * (below / total)).round() as u32 + count;
+            let parts = (f64::from(PARTS - positive) * (below / total)) as u32 + count;
             cdf.push(parts as f32 / PARTS as f32);
         }
         Distribution1D { cdf }
