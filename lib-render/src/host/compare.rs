@@ -289,22 +289,11 @@ fn t13(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::host::random::Random;
 
     const WIDTH: u32 = 150;
     const HEIGHT: u32 = 105;
     const SEED: u64 = 0x6a65_7262_6f61;
-
-    /// Uniform numbers in [0, 1) (SplitMix64; Steele, Lea & Flood 2014).
-    struct Random(u64);
-
-    impl Random {
-        fn uniform(&mut self) -> f64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-        }
-    }
 
     /// The true picture: a smooth gradient under stripes of eight pixels.
     fn truth(x: u32, y: u32) -> f64 {

@@ -7,12 +7,16 @@
 //! * [`error`]: what a user is told when something of his cannot be used,
 //! * [`film`]: the exact, order-free sum of samples,
 //! * [`image_io`]: linear images in memory and on disk,
+//! * [`bvh`]: the tree of boxes over a scene's triangles,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it.
 
+pub mod bvh;
 pub mod compare;
 pub mod distribution;
 pub mod error;
 pub mod film;
 pub mod image_io;
+#[cfg(test)]
+mod random;
 mod student;

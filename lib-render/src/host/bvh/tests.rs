@@ -1,0 +1,301 @@
+//! T29 (hostile triangles) and T9's part for this tree (brute force and tree agree to the bit).
+
+use super::reference::{Ray, brute_force, traverse};
+use super::*;
+use crate::host::random::Random;
+
+const SEED: u64 = 0x0b0c_5e55;
+
+fn random() -> Random {
+    println!("seed {SEED:#x}");
+    Random(SEED)
+}
+
+/// `count` triangles of size `size` at random places in the cube [-1, 1]³.
+fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
+    let corner = |at: [f32; 3], by: [f32; 3]| [0, 1, 2].map(|k| at[k] + size * by[k]);
+    let triangle = |random: &mut Random| {
+        let at = random.point();
+        [0; 3].map(|_| corner(at, random.point()))
+    };
+    (0..count).map(|_| triangle(random)).collect()
+}
+
+fn scaled(triangles: &[Triangle], by: f32) -> Vec<Triangle> {
+    triangles
+        .iter()
+        .map(|t| t.map(|v| v.map(|x| x * by)))
+        .collect()
+}
+
+/// Checks everything that holds for any tree, and returns it.
+fn build(triangles: &[Triangle]) -> Bvh {
+    let bvh = Bvh::build(triangles);
+    let dropped = bvh.dropped.non_finite + bvh.dropped.zero_area;
+    assert_eq!(bvh.order.len() + dropped, triangles.len());
+    let mut numbers = bvh.order.clone();
+    numbers.sort_unstable();
+    numbers.dedup();
+    assert_eq!(numbers.len(), bvh.order.len(), "each triangle has one slot");
+    assert!((1..=MAX_DEPTH).contains(&bvh.depth));
+    // Nodes and slots in the order in which a walk meets them, boxes exact.
+    let (mut next_node, mut next_slot) = (1, 0);
+    let mut deepest = 0;
+    let mut open = vec![(0, 1)];
+    let mut last = Vec::new();
+    while let Some((index, depth)) = open.pop() {
+        deepest = deepest.max(depth);
+        let node = &bvh.nodes[index];
+        for side in [1, 0] {
+            if let ChildRef::Inner(child) = ChildRef::decode(node.child[side]) {
+                assert_eq!(
+                    node.bounds[side],
+                    bvh.nodes[child as usize].bounds[0].union(&bvh.nodes[child as usize].bounds[1])
+                );
+                open.push((child as usize, depth + 1));
+                next_node += 1;
+            }
+        }
+        for side in 0..2 {
+            if let ChildRef::Leaf { first, count } = ChildRef::decode(node.child[side]) {
+                assert!(count as usize <= MAX_LEAF);
+                let members = &bvh.order[first as usize..][..count as usize];
+                let bounds = members.iter().map(|&n| Bounds::of(&triangles[n as usize]));
+                assert_eq!(
+                    node.bounds[side],
+                    bounds.fold(Bounds::EMPTY, |all, b| all.union(&b))
+                );
+                last.push((first, count));
+                next_slot += count as usize;
+            }
+        }
+    }
+    assert_eq!(
+        (next_node, next_slot, deepest),
+        (bvh.nodes.len(), bvh.order.len(), bvh.depth)
+    );
+    last.sort_unstable();
+    assert!(
+        last.windows(2).all(|w| w[0].0 + w[0].1 <= w[1].0),
+        "leaves do not overlap"
+    );
+    bvh
+}
+
+/// Rays at random corners and insides of the triangles, and anywhere.
+fn rays(random: &mut Random, triangles: &[Triangle], count: usize, scale: f32) -> Vec<Ray> {
+    let mut ray = |i: usize| {
+        let origin = random.point().map(|x| 2.0 * x * scale);
+        let triangle = triangles[(random.bits() % triangles.len() as u64) as usize];
+        let target = match i % 3 {
+            0 => triangle[i % 2],
+            1 => [0, 1, 2]
+                .map(|k| triangle[0][k] / 3.0 + triangle[1][k] / 3.0 + triangle[2][k] / 3.0),
+            _ => random.point().map(|x| x * scale),
+        };
+        Ray {
+            origin,
+            direction: [0, 1, 2].map(|k| (target[k] - origin[k]) / scale),
+        }
+    };
+    (0..count).map(&mut ray).collect()
+}
+
+/// The tree finds, to the bit, what trying all its triangles finds; returns the share of rays that hit.
+fn check_hits(triangles: &[Triangle], rays: &[Ray]) -> f64 {
+    let bvh = build(triangles);
+    let hits = rays.iter().filter(|ray| {
+        let expected = brute_force(ray, triangles, &bvh.order);
+        let found = traverse(ray, &bvh, triangles);
+        assert_eq!(
+            found.map(|(t, n)| (t.to_bits(), n)),
+            expected.map(|(t, n)| (t.to_bits(), n)),
+            "{ray:?}"
+        );
+        found.is_some()
+    });
+    hits.count() as f64 / rays.len() as f64
+}
+
+#[test]
+fn hits_are_those_of_brute_force_at_every_scale() {
+    let mut random = random();
+    let unit = soup(&mut random, 2000, 0.1);
+    for scale in [1.0, 1e-18, 1e18] {
+        let triangles = scaled(&unit, scale);
+        let rays = rays(&mut random, &triangles, 600, scale);
+        assert!(check_hits(&triangles, &rays) > 0.5, "scale {scale}");
+    }
+}
+
+#[test]
+fn ties_go_to_the_smallest_number_in_any_order() {
+    // Each triangle four times, and a wall of squares whose edges are shared.
+    let mut random = random();
+    let mut triangles = soup(&mut random, 300, 0.3).repeat(4);
+    for (x, y) in (0..20).flat_map(|x| (0..20).map(move |y| (x as f32, y as f32))) {
+        let corner = |dx: f32, dy: f32| [(x + dx) / 10.0 - 1.0, (y + dy) / 10.0 - 1.0, 0.25];
+        triangles.push([corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0)]);
+        triangles.push([corner(0.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)]);
+    }
+    for i in (1..triangles.len()).rev() {
+        triangles.swap(i, (random.bits() % (i as u64 + 1)) as usize);
+    }
+    let rays = rays(&mut random, &triangles, 1500, 1.0);
+    check_hits(&triangles, &rays);
+}
+
+#[test]
+fn none_one_and_two_triangles() {
+    let triangle = |z: f32| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
+    let empty = build(&[]);
+    assert_eq!(
+        (empty.nodes.len(), empty.depth, empty.bounds),
+        (1, 1, Bounds::EMPTY)
+    );
+    assert_eq!(
+        empty.nodes[0].child.map(ChildRef::decode),
+        [ChildRef::EMPTY; 2]
+    );
+    let ray = Ray {
+        origin: [0.2, 0.2, 0.0],
+        direction: [0.0, 0.0, 1.0],
+    };
+    assert_eq!(traverse(&ray, &empty, &[]), None);
+    let one = [triangle(3.0)];
+    assert_eq!(traverse(&ray, &build(&one), &one).map(|hit| hit.1), Some(0));
+    let two = [triangle(4.0), triangle(2.0)];
+    assert_eq!(traverse(&ray, &build(&two), &two).map(|hit| hit.1), Some(1));
+}
+
+#[test]
+fn what_cannot_be_hit_is_dropped_and_counted() {
+    let mut random = random();
+    let points = soup(&mut random, 1000, 0.0);
+    assert_eq!(
+        build(&points).dropped,
+        Dropped {
+            non_finite: 0,
+            zero_area: 1000
+        }
+    );
+    let mut triangles = soup(&mut random, 10_000, 0.01);
+    for i in (0..triangles.len()).step_by(100) {
+        triangles[i][i % 3][i % 2] = f32::NAN;
+    }
+    triangles[1][0][0] = f32::INFINITY;
+    triangles[2] = [[0.0; 3], [1.0; 3], [3.0; 3]];
+    let bvh = build(&triangles);
+    assert_eq!(
+        bvh.dropped,
+        Dropped {
+            non_finite: 101,
+            zero_area: 1
+        }
+    );
+    assert!(bvh.bounds.hi.iter().all(|x| *x < 1.1));
+}
+
+#[test]
+fn coincident_triangles_build_a_balanced_tree() {
+    let one = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    let bvh = build(&vec![one; 100_000]);
+    assert!(bvh.depth <= 17);
+    // Half of them in one place, the others around: the rehearsal sees it.
+    let mut triangles = soup(&mut random(), 20_000, 0.01);
+    triangles.extend(vec![one; 20_000]);
+    assert!(build(&triangles).depth <= 17);
+}
+
+#[test]
+fn extreme_sizes_build_trees_like_ordinary_ones() {
+    let unit = soup(&mut random(), 20_000, 0.02);
+    let ordinary = build(&unit).depth;
+    // A tenth of the largest float; and down to 2^-120 each coordinate keeps its bits, so the tree stays the same.
+    for scale in [2.0_f32.powi(124), 2.0_f32.powi(-90)] {
+        assert_eq!(
+            build(&scaled(&unit, scale)).depth,
+            ordinary,
+            "scale {scale:e}"
+        );
+    }
+    let huge = scaled(&unit, 3.3e38);
+    assert!(build(&huge).dropped.non_finite < huge.len());
+    // Denormal corners are few distinct numbers: many triangles collapse, the others still make a tree.
+    let denormal = build(&scaled(&unit, 1e-42));
+    assert!(denormal.dropped.zero_area < unit.len());
+}
+
+#[test]
+fn sizes_over_many_magnitudes_build_bounded_trees() {
+    let mut random = random();
+    for ratio in [1.0001_f32, 1.0017, 1.1, 2.0] {
+        // From 1e37 downwards, starting again when it gets to 1e-37.
+        let mut size = 1e37_f32;
+        let unit = soup(&mut random, 30_000, 0.2);
+        let mut triangles = Vec::new();
+        for triangle in &unit {
+            size = if size > 1e-37 { size / ratio } else { 1e37 };
+            triangles.push(triangle.map(|v| v.map(|x| (x + 1.0) * size)));
+        }
+        build(&triangles);
+    }
+}
+
+#[test]
+fn chains_of_merges_build_bounded_trees() {
+    // Triangles about one corner, each smaller than the last, merge one at a time. A short chain is built (1,966 levels
+    // deep, without bounds) and its tail rebuilt; a long one, of pairs so that the first pass looks healthy, is not begun.
+    for (count, copies, ratio) in [(2000, 1, 1.05), (1 << 13, 2, 1.01)] {
+        let mut size = 1.0_f32;
+        let mut triangles = Vec::new();
+        for _ in 0..count {
+            triangles.extend([[[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]]].repeat(copies));
+            size /= ratio;
+        }
+        build(&triangles);
+    }
+}
+
+#[test]
+fn a_regular_grid_builds_a_shallow_tree() {
+    // Equal costs everywhere, as in any tessellated plane.
+    let mut triangles = Vec::new();
+    for (x, y) in (0..200).flat_map(|x| (0..200).map(move |y| (x as f32, y as f32))) {
+        triangles.push([[x, y, 0.0], [x + 1.0, y, 0.0], [x + 1.0, y + 1.0, 0.0]]);
+        triangles.push([[x, y, 0.0], [x + 1.0, y + 1.0, 0.0], [x, y + 1.0, 0.0]]);
+    }
+    assert!(build(&triangles).depth <= 40);
+}
+
+#[test]
+fn references_and_words_say_what_they_were_given() {
+    for child in [
+        ChildRef::Inner(0),
+        ChildRef::Inner((1 << 31) - 1),
+        ChildRef::EMPTY,
+        ChildRef::Leaf {
+            first: (1 << 27) - 1,
+            count: 8,
+        },
+    ] {
+        assert_eq!(ChildRef::decode(child.encode()), child);
+    }
+    let bounds = [
+        Bounds {
+            lo: [1.0, 2.0, 3.0],
+            hi: [4.0, 5.0, 6.0],
+        },
+        Bounds {
+            lo: [7.0, 8.0, 9.0],
+            hi: [10.0, 11.0, 12.0],
+        },
+    ];
+    let words = BvhNode {
+        bounds,
+        child: [13, 14],
+    }
+    .words();
+    assert!((0..12).all(|i| f32::from_bits(words[i]) == i as f32 + 1.0));
+    assert_eq!(words[12..], [13, 14, 0, 0]);
+}

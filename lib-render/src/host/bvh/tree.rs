@@ -1,0 +1,69 @@
+//! The tree between building and laying out: children before parents, the root last.
+
+use super::Bounds;
+
+/// A node's index in its tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeId(u32);
+
+/// What a node stands for.
+pub(super) enum Kind {
+    /// Two children.
+    Inner([NodeId; 2]),
+    /// A range of `order`.
+    Leaf(std::ops::Range<usize>),
+}
+
+struct Node {
+    bounds: Bounds,
+    kind: Kind,
+}
+
+/// A binary tree over boxes, which it numbers as the slice it was built from does.
+#[derive(Default)]
+pub(super) struct Tree {
+    nodes: Vec<Node>,
+    /// Box numbers, leaf by leaf.
+    pub order: Vec<u32>,
+}
+
+impl Tree {
+    /// Adds a leaf over `members`, numbers in `boxes`.
+    pub fn leaf(&mut self, members: &[u32], boxes: &[Bounds]) -> NodeId {
+        let first = self.order.len();
+        self.order.extend_from_slice(members);
+        let bounds = members
+            .iter()
+            .fold(Bounds::EMPTY, |all, &i| all.union(&boxes[i as usize]));
+        self.push(bounds, Kind::Leaf(first..self.order.len()))
+    }
+
+    /// Adds a node above two others.
+    pub fn inner(&mut self, children: [NodeId; 2]) -> NodeId {
+        let [a, b] = children.map(|child| self.bounds_of(child));
+        self.push(a.union(&b), Kind::Inner(children))
+    }
+
+    fn push(&mut self, bounds: Bounds, kind: Kind) -> NodeId {
+        self.nodes.push(Node { bounds, kind });
+        NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    /// The node that was added last.
+    pub fn root(&self) -> NodeId {
+        NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    pub fn bounds_of(&self, node: NodeId) -> Bounds {
+        self.nodes[node.0 as usize].bounds
+    }
+
+    pub fn kind_of(&self, node: NodeId) -> &Kind {
+        &self.nodes[node.0 as usize].kind
+    }
+
+    /// Bounds of the whole.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds_of(self.root())
+    }
+}
