@@ -1,4 +1,64 @@
-//! Scenes as plain host data.
+//! Scenes as plain host data: from a glTF 2.0 file, or made by code, to lists that refer to each other by index.
+//!
+//! This crate knows nothing of rendering. It answers two questions: *what is in the file*, and *is it sound*. A
+//! [`Scene`] that it returns can be walked without a check: every index is in range, every number finite, every transform
+//! invertible. How the lists become tables, and which of their columns a specialised renderer knows, is decided elsewhere.
+//!
+//! ```
+//! use jerboa_scenes::{Scene, builtin};
+//!
+//! let scene = Scene::load("builtin:cornell-box")?; // or the path of a .glb or .gltf
+//! for warning in scene.all_warnings() {
+//!     eprintln!("warning: {warning}");
+//! }
+//! for instance in &scene.instances {
+//!     let mesh = &scene.meshes[instance.mesh];
+//!     let material = &scene.materials[mesh.material];
+//!     println!("{}: {} triangles at {}", material.name, mesh.triangles.len(), instance.to_world.translation);
+//! }
+//! let camera = scene.camera_or_default();
+//! assert_eq!(camera.film_or_default(), (512, 512));
+//!
+//! // Errors are one line: what, where, why, and what to do.
+//! let error = Scene::load("builtin:cornel-box").unwrap_err().to_string();
+//! assert!(error.starts_with("builtin:cornel-box: no such built-in scene; there are cornell-box, "));
+//! # Ok::<(), jerboa_scenes::Error>(())
+//! ```
+//!
+//! # What is read
+//!
+//! - **Geometry**: triangles, strips and fans; positions, normals, tangents, two sets of texture coordinates, vertex
+//!   colours; every component type, normalised integers, sparse and interleaved accessors. One [`Mesh`] per primitive, placed
+//!   by [`Instance`]s whose transforms were composed in double precision.
+//! - **Materials**: metallic-roughness with its textures, normal map, emission, alpha modes, doubleSided, and the
+//!   extensions KHR_materials_emissive_strength, ior, specular, transmission, unlit, volume, KHR_texture_transform.
+//! - **Images**: PNG, JPEG, WebP (EXT_texture_webp), kept at eight bits; wrap modes and the magnification filter.
+//! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
+//!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr) or given later by [`Scene::set_environment`].
+//! - **Cameras**: perspective; the film's size from the camera's `extras: {width, height}`.
+//! - KHR_mesh_quantization. Any other extension is an error where the file *requires* it, else a warning.
+//!
+//! # What is ignored, and why
+//!
+//! Animations, skins and morph targets (the scene is shown at rest), orthographic cameras, points and lines, texture
+//! coordinate sets above 1: each with a warning. Silently: near and far planes and a light's `range` (hints for
+//! rasterisers), occlusion textures (they stand for ambient light, which a path tracer computes), minification filters
+//! (many samples per pixel replace mipmaps), `min`/`max` of accessors, colour profiles in images (glTF says so).
+//!
+//! # Defaults that surprise
+//!
+//! A material without metallicFactor and roughnessFactor is a rough *metal*; without a sampler a texture repeats and is
+//! bilinear; `alphaCutoff` is 0.5; `ior` is 1.5; a missing texture image is white (a normal map: flat); without a camera the
+//! whole scene is framed; without light the image is black; the last two are warnings.
+//!
+//! # Trust
+//!
+//! A file is hostile until shown otherwise. All JSON is read as a tree of values by code that knows the path it stands
+//! at (typed parsers round `matrix` to single precision and cannot say where a fault is). Lengths, offsets and strides are
+//! checked in 64 bits before a byte is read; the node tree is walked without recursion, and must be a tree; a URI must be
+//! `data:` or lead to a regular file in the scene's folder, symbolic links resolved; an image's header must pass the
+//! [`Limits`] before it is decoded; what cannot be repaired is an [`Error`], the rest is a counted [`Warning`]. Only what the
+//! chosen scene reaches is read at all.
 
 mod camera;
 mod environment;

@@ -33,7 +33,10 @@ pub(crate) fn read(file: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
     if metadata.len() > limits.file_bytes {
         return Err(too_large(metadata.len()));
     }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    let mut bytes = Vec::new();
+    bytes
+        .try_reserve_exact(metadata.len() as usize)
+        .map_err(|e| fault(e.to_string()))?;
     // The file may grow between the two calls.
     let bounded = File::open(file).map(|f| f.take(limits.file_bytes + 1));
     bounded

@@ -113,7 +113,7 @@ impl<'a> Loader<'a> {
         })?;
         Ok(match image::DynamicImage::from_decoder(decoder) {
             Ok(decoded) => {
-                let rgba = decoded.into_rgba8().pixels().map(|p| p.0).collect();
+                let rgba = decoded.into_rgba8().as_chunks::<4>().0.to_vec();
                 Ok(Image {
                     name: at.name(),
                     width,

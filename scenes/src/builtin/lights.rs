@@ -1,0 +1,151 @@
+//! Light of every kind, where the answer is known or hard to find.
+
+use super::shapes::{floor, panel, quad, sky, solid, sphere, varied};
+use crate::{Light, LightKind, Material, Scene};
+use glam::{DAffine3, DVec3, Vec3, vec3};
+use std::f64::consts::FRAC_PI_2;
+
+/// A grey floor (albedo 1/2, at y = 0, its front up) seen from above, for light of known irradiance E: radiance E / 2π.
+fn grey_floor() -> Scene {
+    let mut scene = Scene::default();
+    let grey = scene.paint(Material::diffuse("floor", [0.5; 3]));
+    scene.place(floor(Vec3::ZERO, 8.0, 8.0), grey);
+    scene.view([0.0, 4.0, 4.0], [0.0, 0.0, 0.0], 0.6, (256, 256));
+    scene
+}
+
+/// Straight down from a point.
+fn down_from(x: f64, y: f64, z: f64) -> DAffine3 {
+    DAffine3::from_translation(DVec3::new(x, y, z)) * DAffine3::from_rotation_x(-FRAC_PI_2)
+}
+
+fn light(kind: LightKind, intensity: f32, to_world: DAffine3) -> Light {
+    Light {
+        name: "light".into(),
+        kind,
+        intensity: [intensity; 3],
+        to_world,
+    }
+}
+
+/// 1 candela at height 1 over the origin: irradiance 1 / d³ at distance d from the light.
+pub(super) fn point_light() -> Scene {
+    let mut scene = grey_floor();
+    scene
+        .lights
+        .push(light(LightKind::Point, 1.0, down_from(0.0, 1.0, 0.0)));
+    scene
+}
+
+/// The same with a cone: full up to 0.3, nothing from 0.5 radians on.
+pub(super) fn spot() -> Scene {
+    let mut scene = grey_floor();
+    scene.lights.push(light(
+        LightKind::Spot {
+            inner: 0.3,
+            outer: 0.5,
+        },
+        1.0,
+        down_from(0.0, 1.0, 0.0),
+    ));
+    scene
+}
+
+/// 1 lux from 60 degrees above the horizon: irradiance sin 60°, but for the shadow of a block.
+pub(super) fn sun() -> Scene {
+    let mut scene = grey_floor();
+    let slant = DAffine3::from_rotation_y(0.5) * DAffine3::from_rotation_x(-60f64.to_radians());
+    scene.lights.push(light(LightKind::Directional, 1.0, slant));
+    let block = scene.paint(Material::diffuse("block", [0.2, 0.4, 0.6]));
+    scene.place(
+        solid(
+            vec3(-0.3, 0.0, -0.3),
+            [Vec3::X * 0.6, Vec3::Y * 0.8, Vec3::Z * 0.6],
+        ),
+        block,
+    );
+    scene
+}
+
+/// A square lamp of side 1 and radiance 1 at height 1: radiance 0.119728235 of the floor straight below it.
+pub(super) fn quad_light() -> Scene {
+    let mut scene = grey_floor();
+    let lamp = scene.paint(Material::emitter("lamp", [1.0; 3]));
+    scene.place(panel(Vec3::Y, 1.0, 1.0), lamp);
+    scene
+}
+
+/// 256 lamps of many colours, sizes and strengths over a city of blocks, and 16 point lights.
+pub(super) fn many_lights() -> Scene {
+    let mut scene = grey_floor();
+    let colors = [
+        [1.0, 0.3, 0.2],
+        [0.3, 1.0, 0.4],
+        [0.3, 0.5, 1.0],
+        [1.0, 0.8, 0.5],
+    ];
+    let lamps = colors.map(|c| scene.paint(Material::emitter("lamp", c.map(|x: f32| x * 20.0))));
+    let stone = scene.paint(Material::diffuse("stone", [0.6; 3]));
+    for i in 0..256 {
+        let (x, z) = ((i % 16) as f32 * 0.5 - 3.75, (i / 16) as f32 * 0.5 - 3.75);
+        let (height, side) = (0.1 + 0.6 * varied(i), 0.02 + 0.1 * varied(7 * i));
+        scene.place(panel(vec3(x, height, z), side, side), lamps[i as usize % 4]);
+        if i % 3 == 0 {
+            let base = vec3(x + 0.15, 0.0, z + 0.1);
+            scene.place(
+                solid(base, [Vec3::X * 0.2, Vec3::Y * height, Vec3::Z * 0.2]),
+                stone,
+            );
+        }
+        if i % 16 == 5 {
+            let position = down_from(f64::from(x), 1.0, f64::from(z));
+            scene.lights.push(light(LightKind::Point, 0.05, position));
+        }
+    }
+    scene.view([0.0, 5.0, 7.0], [0.0, 0.0, 0.0], 0.7, (640, 480));
+    scene
+}
+
+/// A ball on a floor under a blue sky with a small, strong sun.
+pub(super) fn environment() -> Scene {
+    let mut scene = grey_floor();
+    let ball = scene.paint(Material::plastic("ball", [0.6, 0.5, 0.4], 0.3));
+    scene.place(sphere(vec3(0.0, 0.5, 0.0), 0.5, 5), ball);
+    let sun = vec3(0.5, 0.7, 0.4).normalize();
+    scene.environment = Some(sky(256, |d| {
+        // 0.9994: a disc of 2 degrees' radius.
+        let glow = if d.dot(sun) > 0.9994 { 2000.0 } else { 0.0 };
+        let height = d.y.max(0.0);
+        [
+            0.3 + glow,
+            0.5 + 0.9 * glow,
+            0.6 + 0.4 * height + 0.7 * glow,
+        ]
+    }));
+    scene.view([0.0, 1.2, 4.0], [0.0, 0.4, 0.0], 0.5, (400, 300));
+    scene
+}
+
+/// A black sky with one texel of a million and bright rows at both poles, where texels have hardly any solid angle.
+pub(super) fn hot_texel() -> Scene {
+    let mut scene = grey_floor();
+    let mut sky = sky(64, |_| [0.0; 3]);
+    let width = sky.width as usize;
+    let last_row = width * (sky.height as usize - 1);
+    sky.radiance[..width].fill([100.0; 3]);
+    sky.radiance[last_row..].fill([100.0; 3]);
+    sky.radiance[9 * width + 20] = [1e6; 3];
+    scene.environment = Some(sky);
+    scene
+}
+
+/// A lamp that stands on the floor (the floor touches its plane) and a point light a millionth above the floor.
+pub(super) fn edge_light() -> Scene {
+    let mut scene = grey_floor();
+    let lamp = scene.paint(Material::emitter("lamp", [2.0; 3]));
+    scene.place(quad(vec3(-0.5, 0.0, -0.5), Vec3::X, Vec3::Y), lamp);
+    scene
+        .lights
+        .push(light(LightKind::Point, 1e-6, down_from(0.5, 1e-6, 0.5)));
+    scene
+}

@@ -1,0 +1,7 @@
+//! The tests of the crate, in one binary.
+
+mod builtin;
+mod common;
+mod missing;
+mod reading;
+mod shared;

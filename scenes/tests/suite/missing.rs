@@ -1,0 +1,89 @@
+//! T31: what a scene may lack, and what happens then.
+
+use crate::common::*;
+use glam::DVec3;
+use jerboa_scenes::*;
+use serde_json::json;
+
+fn messages(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(|w| w.to_string()).collect()
+}
+
+#[test]
+fn without_camera_and_light() {
+    let scene = load(&triangle()).unwrap();
+    let expected = [
+        "the scene has no camera: the whole scene is framed",
+        "the scene has no light: the image will be black",
+    ];
+    assert_eq!(messages(&scene.all_warnings()), expected);
+    // The whole box is in view: every corner is inside the cone about the axis.
+    let camera = scene.camera_or_default();
+    let (low, high) = scene.bounds().unwrap();
+    for corner in [
+        low,
+        high,
+        DVec3::new(low.x, high.y, low.z),
+        DVec3::new(high.x, low.y, low.z),
+    ] {
+        let direction = (corner - camera.position()).normalize();
+        assert!(
+            direction.dot(camera.forward()).acos() <= camera.yfov / 2.0 + 1e-9,
+            "{corner}"
+        );
+    }
+}
+
+#[test]
+fn nothing_at_all() {
+    let scene = load(&json!({"asset": {"version": "2.0"}})).unwrap();
+    check(&scene);
+    assert!(scene.camera_or_default().to_world.is_finite());
+    assert_eq!(scene.all_warnings().len(), 3);
+}
+
+#[test]
+fn a_missing_texture_is_white() {
+    let scene = load(&textured(json!({"uri": "nowhere.png"}))).unwrap();
+    check(&scene);
+    assert_eq!(scene.materials[0].base_color_texture, None);
+    let [warning] = &messages(&scene.warnings)[..] else {
+        panic!("{:?}", scene.warnings)
+    };
+    assert!(
+        warning.starts_with("images[0]: the image cannot be had ("),
+        "{warning}"
+    );
+    assert!(
+        warning.contains("nowhere.png") && warning.ends_with("): white is used instead"),
+        "{warning}"
+    );
+}
+
+#[test]
+fn a_missing_environment_is_none() {
+    let mut d = triangle();
+    d["scenes"][0]["extras"] = json!({"environment": {"uri": "nowhere.hdr"}});
+    let scene = load(&d).unwrap();
+    assert_eq!(scene.environment, None);
+    assert!(
+        messages(&scene.warnings)[0]
+            .starts_with("scenes[0].extras.environment.uri: there is no environment (")
+    );
+}
+
+#[test]
+fn warnings_are_counted() {
+    let mut d = triangle();
+    let lines = d["meshes"][0]["primitives"][0].clone();
+    let primitives = d["meshes"][0]["primitives"].as_array_mut().unwrap();
+    for _ in 0..3 {
+        primitives.push(lines.clone());
+        primitives.last_mut().unwrap()["mode"] = json!(1);
+    }
+    let scene = load(&d).unwrap();
+    assert_eq!(
+        messages(&scene.warnings),
+        ["meshes[0].primitives[1]: points and lines are left out (3 times)"]
+    );
+}
