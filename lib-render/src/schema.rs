@@ -161,6 +161,18 @@ table! {
         M11: F32, value;
         /// See [`Textures::M10`].
         M12: F32, value;
+        /// Checkerboard: colour of the square at the origin, linear.
+        EVEN_R: F32, value;
+        /// See [`Textures::EVEN_R`].
+        EVEN_G: F32, value;
+        /// See [`Textures::EVEN_R`].
+        EVEN_B: F32, value;
+        /// Checkerboard: colour of its neighbours, linear.
+        ODD_R: F32, value;
+        /// See [`Textures::ODD_R`].
+        ODD_G: F32, value;
+        /// See [`Textures::ODD_R`].
+        ODD_B: F32, value;
     }
 }
 
@@ -481,9 +493,9 @@ table! {
 }
 
 table! {
-    /// Cumulative probabilities of the lights: row i holds the sum of those up to and including light i.
+    /// Cumulative probabilities of the lights: one more than there are lights, from 0 to 1.
     pub LightChoice {
-        /// Cumulative probability; the last row is 1.
+        /// Probability of the lights before this one.
         CDF: F32, bulk;
     }
 }
@@ -513,15 +525,21 @@ table! {
         G: F32, bulk;
         /// Blue.
         B: F32, bulk;
-        /// Cumulative probability within the row: up to and including this texel.
+    }
+}
+
+table! {
+    /// Cumulative probabilities within each row of the environment: width + 1 of them a row, from 0 to 1.
+    pub EnvironmentColumns {
+        /// Probability of the texels before this one.
         CDF: F32, bulk;
     }
 }
 
 table! {
-    /// Rows of the environment.
+    /// Cumulative probabilities of the rows of the environment: height + 1 of them, from 0 to 1.
     pub EnvironmentRows {
-        /// Cumulative probability of the rows: up to and including this one.
+        /// Probability of the rows before this one.
         CDF: F32, bulk;
     }
 }
@@ -563,6 +581,7 @@ pub fn declare_all() {
         spec::<LightChoice>(),
         spec::<Environment>(),
         spec::<EnvironmentTexels>(),
+        spec::<EnvironmentColumns>(),
         spec::<EnvironmentRows>(),
         spec::<Samples>(),
     ]);

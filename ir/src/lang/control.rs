@@ -109,6 +109,17 @@ impl Block {
         value
     }
 
+    /// Do it with this row, and do not come back: what [`Block::dispatch`] is made of.
+    #[track_caller]
+    pub fn dispatch_left<B: Buf>(&mut self, row: Row<B>, body: impl FnOnce(&mut Block, Row<B>) -> Left) -> Left {
+        let loc = here();
+        let (arm, inner) = Block::continuation::<Row<B>>("row", Role::Arm, always(), loc);
+        body(&mut Block::new(arm), inner);
+        let arm = with(|w| w.cont_value(arm));
+        self.leave(Body::Dispatch { row: row.node(), arm }, loc);
+        Left::new()
+    }
+
     /// Run `body` with a way out: `exit` leaves the block from anywhere inside, also from inner loops.
     #[track_caller]
     pub fn label<T: Staged, E: Ends<T>>(&mut self, body: impl FnOnce(&mut Block, Exit<T>) -> E) -> T {

@@ -1,0 +1,14 @@
+//! Devices: where and in what order paths are traced (paper, section 4.7).
+//!
+//! A device has two halves. Its IR half, here, is a list of entries over the tracer; its host half owns streams, threads
+//! and dispatches.
+
+pub mod cpu;
+
+use crate::tracer::Tracer;
+
+/// A device, as the paper has it: it schedules what a tracer describes.
+pub struct Device {
+    /// Declare the kernel of this name that traces the paths of `tracer`.
+    pub trace: fn(name: &str, tracer: Tracer),
+}
