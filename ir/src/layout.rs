@@ -26,14 +26,15 @@ pub(crate) struct Layout {
     pub lines: Vec<Vec<NodeId>>,
     /// Nodes that several roots share.
     pub shared: Vec<NodeId>,
-    /// Nodes of each continuation's filter that have a line; its others print in place.
+    /// Nodes of each continuation's filter that need a line.
     pub filter_lines: Vec<Vec<NodeId>>,
     /// Free parameters of each continuation in print order.
     pub free: Vec<Vec<NodeId>>,
     /// The root above each continuation.
     pub tree: Vec<Option<ContId>>,
-    /// The root above each line; none for shared ones.
-    pub line_tree: FxHashMap<NodeId, Option<ContId>>,
+    /// Where each line stands; none for shared ones.
+    pub line_at: FxHashMap<NodeId, Option<ContId>>,
+    parents: Parents,
 }
 
 impl Layout {
@@ -56,18 +57,19 @@ impl Layout {
             filter_lines: vec![Vec::new(); n],
             free: vec![Vec::new(); n],
             tree: vec![None; n],
-            line_tree: FxHashMap::default(),
+            line_at: FxHashMap::default(),
+            parents: Parents::default(),
         };
-        let parents = Parents::new(p, &layout.reach, &scope);
+        layout.parents = Parents::new(p, &layout.reach, &scope);
         for c in &layout.reach.conts {
             layout.filter_lines[c.index()] = filter_lines(p, p.cont(*c).filter);
-            match parents.of[c.index()] {
+            match layout.parents.of[c.index()] {
                 Some(parent) => layout.children[parent.index()].push(*c),
                 None => layout.roots.push(*c),
             }
         }
         layout.order_free(p, &scope);
-        layout.place_lines(p, &parents);
+        layout.place_lines(p);
         layout
     }
 
@@ -79,6 +81,14 @@ impl Layout {
             stack.extend(self.children[c.index()].iter().rev());
         }
         order
+    }
+
+    /// Does the filter of `c` name this node rather than print it in place? It does when a line above `c` computes it, or
+    /// when the filter alone needs a line.
+    pub fn filter_names(&self, c: ContId, id: NodeId) -> bool {
+        let Some(at) = self.line_at.get(&id) else { return false };
+        let outside = self.parents.of[c.index()];
+        self.filter_lines[c.index()].contains(&id) || at.is_none() || self.parents.common(*at, outside) == *at
     }
 
     fn order_free(&mut self, p: &Program, scope: &Scope) {
@@ -102,7 +112,8 @@ impl Layout {
     }
 
     /// Each node's line stands in the innermost continuation around all its users, in the order of first need.
-    fn place_lines(&mut self, p: &Program, parents: &Parents) {
+    fn place_lines(&mut self, p: &Program) {
+        let parents = &self.parents;
         let mut place: Vec<Option<Option<ContId>>> = vec![None; p.nodes.len()];
         let filters = self.filter_lines.clone();
         let needs = |c: ContId, f: &mut dyn FnMut(NodeId)| {
@@ -135,7 +146,7 @@ impl Layout {
                         done[id.index()] = true;
                         let at = place[id.index()].flatten();
                         at.map_or(&mut self.shared, |c| &mut self.lines[c.index()]).push(id);
-                        self.line_tree.insert(id, at.and_then(|c| self.tree[c.index()]));
+                        self.line_at.insert(id, at);
                     } else {
                         stack.push((id, true));
                         let first = stack.len();
@@ -154,6 +165,7 @@ pub(crate) fn is_leaf(p: &Program, id: NodeId) -> bool {
 }
 
 /// Under which continuation each one stands: its immediate dominator among mentions (Cooper, Harvey and Kennedy 2001).
+#[derive(Default)]
 struct Parents {
     of: Vec<Option<ContId>>,
     /// Number in reverse postorder: a parent has a smaller one.

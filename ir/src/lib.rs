@@ -15,9 +15,16 @@ pub mod stats;
 mod layout;
 mod names;
 pub mod print;
+mod lex;
+mod parse_line;
+pub mod parse;
+pub mod typing;
+pub mod error;
 
+pub use error::{Fault, TextError};
 pub use lit::{Lit, NAN_BITS};
 pub use op::Op;
+pub use parse::parse;
 pub use print::{SourceLines, print, print_with};
 pub use program::*;
 pub use scope::Scope;

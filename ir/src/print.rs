@@ -22,6 +22,7 @@
 use std::fmt::Write;
 
 use crate::layout;
+use crate::lex::HEADER;
 use crate::lit::Lit;
 use crate::names::{self, Names};
 use crate::program::*;
@@ -67,7 +68,7 @@ struct Printer<'a> {
 impl Printer<'_> {
     fn header(&mut self) {
         let stats = Stats::new(self.p, &self.layout.reach);
-        self.out = format!("jerboa-ir 1  ; {stats}\n");
+        self.out = format!("{HEADER}  ; {stats}\n");
         for (b, buffer) in self.p.buffers.iter().enumerate() {
             let kind = match buffer.kind {
                 BufKind::Table { .. } => "table",
@@ -132,7 +133,7 @@ impl Printer<'_> {
         let params: Vec<String> = (cont.params.iter().zip(&self.names.params[c.index()]))
             .map(|(x, name)| format!("{}{name}: {}", if x.keep { "keep " } else { "" }, self.ty(x.ty)))
             .collect();
-        let mut text = format!("{} {}({})", role_word(cont.role), self.names.conts[c.index()], params.join(", "));
+        let mut text = format!("{} {}({})", cont.role.word(), self.names.conts[c.index()], params.join(", "));
         match self.p.node(cont.filter) {
             Node::Lit(Lit::Bool(true)) => text += " @",
             Node::Lit(Lit::Bool(false)) => {}
@@ -215,9 +216,12 @@ impl Printer<'_> {
                 self.name(&self.names.conts[cont.index()], tree, at)
             }
             _ => {
-                let in_place = at.filter.is_some_and(|c| !self.layout.filter_lines[c.index()].contains(&id));
+                let named = at.filter.is_none_or(|c| self.layout.filter_names(c, id));
                 match self.names.nodes.get(&id) {
-                    Some(name) if !in_place => self.name(name, self.layout.line_tree[&id], at),
+                    Some(name) if named => {
+                        let tree = self.layout.line_at[&id].and_then(|c| self.layout.tree[c.index()]);
+                        self.name(name, tree, at)
+                    }
                     _ => format!("({})", self.expression(id, at)),
                 }
             }
@@ -253,16 +257,4 @@ impl Printer<'_> {
 struct At {
     root: Option<ContId>,
     filter: Option<ContId>,
-}
-
-/// The word of a role.
-fn role_word(role: Role) -> &'static str {
-    match role {
-        Role::Fun => "fun",
-        Role::Arm => "arm",
-        Role::Rest => "rest",
-        Role::Join => "join",
-        Role::Loop => "loop",
-        Role::Label => "label",
-    }
 }

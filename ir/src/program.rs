@@ -174,6 +174,28 @@ pub enum Role {
     Label,
 }
 
+impl Role {
+    /// All roles, in the order of declaration.
+    pub const ALL: [Role; 6] = [Role::Fun, Role::Arm, Role::Rest, Role::Join, Role::Loop, Role::Label];
+
+    /// The word that the text uses.
+    pub fn word(self) -> &'static str {
+        match self {
+            Role::Fun => "fun",
+            Role::Arm => "arm",
+            Role::Rest => "rest",
+            Role::Join => "join",
+            Role::Loop => "loop",
+            Role::Label => "label",
+        }
+    }
+
+    /// The role of this word.
+    pub fn by_word(word: &str) -> Option<Role> {
+        Role::ALL.into_iter().find(|role| role.word() == word)
+    }
+}
+
 /// A continuation: parameters, a filter, and one jump.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Cont {

@@ -251,6 +251,11 @@ impl World {
         BufId(self.program.buffers.len() as u32 - 1)
     }
 
+    /// The buffer, to add columns that refer to later tables.
+    pub fn buffer_mut(&mut self, buffer: BufId) -> &mut Buffer {
+        &mut self.program.buffers[buffer.index()]
+    }
+
     /// Declare an entry: a kernel.
     pub fn entry(&mut self, name: impl Into<Arc<str>>, cont: ContId) {
         self.program.entries.push((name.into(), cont));

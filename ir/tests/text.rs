@@ -80,3 +80,129 @@ fun pow(x: f32, n: i32, return: fn(f32)) @(and (known n) (lt n 64i))
 ";
     assert_eq!(print(&pow().finish()), expected);
 }
+
+/// Every construct of the text once, as the printer writes it.
+const ALL: &str = include_str!("all.ir");
+
+#[test]
+fn every_construct_reads_back() {
+    assert_eq!(print(&parse(ALL).unwrap()), ALL);
+    let text = print(&pow().finish());
+    assert_eq!(print(&parse(&text).unwrap()), text);
+}
+
+#[test]
+fn text_depends_on_structure_not_on_the_order_of_making() {
+    // The same program with its functions written in another order, comments and blank lines added.
+    let (header, functions) = ALL.split_once("\n\n").unwrap();
+    let mut functions: Vec<&str> = functions.split("\n\n").collect();
+    let shared = functions.remove(0);
+    functions.reverse();
+    let shuffled = format!("{header}\n{shared}\n; a remark\n\n{}\n", functions.join("\n\n"));
+    assert_eq!(print(&parse(&shuffled).unwrap()), ALL);
+}
+
+/// Small generator (SplitMix64, Steele et al. 2014); tests print their seed.
+struct Rng(u64);
+
+impl Rng {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) % n as u64) as usize
+    }
+}
+
+#[test]
+fn mutated_texts_never_panic_and_what_parses_is_stable() {
+    let words: Vec<&str> = ALL.split_inclusive([' ', '\n', '(', ')', ',']).collect();
+    let mut parsed = 0;
+    for seed in 0..4000 {
+        let mut rng = Rng(seed);
+        let mut words = words.clone();
+        for _ in 0..=rng.below(3) {
+            let (at, from) = (rng.below(words.len()), rng.below(words.len()));
+            match rng.below(3) {
+                0 => words[at] = words[from],
+                1 => words.insert(at, words[from]),
+                _ => drop(words.remove(at)),
+            }
+        }
+        let text = words.concat();
+        let result = std::panic::catch_unwind(|| {
+            let once = print(&parse(&text).ok()?);
+            Some((print(&parse(&once).expect("what is printed parses")), once))
+        });
+        match result {
+            Ok(Some((twice, once))) => {
+                parsed += 1;
+                assert_eq!(twice, once, "seed {seed}");
+            }
+            Ok(None) => {}
+            Err(_) => panic!("seed {seed}:\n{text}"),
+        }
+    }
+    // Many mutations only rename or rewire.
+    assert!(parsed > 200, "{parsed} of 4000 mutated texts parse");
+}
+
+#[test]
+fn mutated_bytes_never_panic() {
+    for seed in 0..4000 {
+        let mut rng = Rng(seed);
+        let mut bytes = ALL.as_bytes().to_vec();
+        for _ in 0..=rng.below(4) {
+            let at = rng.below(bytes.len());
+            bytes[at] = b"\0 (){}:=.,-@;19eiux\xc3\n"[rng.below(21)];
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(std::panic::catch_unwind(|| parse(&text).is_ok()).is_ok(), "seed {seed}");
+    }
+}
+
+#[test]
+fn deep_and_wide_texts_are_refused_or_read_without_overflow() {
+    let nested = |open: &str, close: &str| {
+        format!("jerboa-ir 1\nfun f(x: {}u32{}) @\n  unset\n", open.repeat(100_000), close.repeat(100_000))
+    };
+    assert!(parse(&nested("(", ")")).unwrap_err().what.contains("too deep"));
+    assert!(parse(&nested("fn(", ")")).unwrap_err().what.contains("too deep"));
+    let filter = format!("jerboa-ir 1\nfun f(x: bool) @{}x{}\n  unset\n", "(not ".repeat(100_000), ")".repeat(100_000));
+    assert!(parse(&filter).unwrap_err().what.contains("too deep"));
+    // A tuple that doubles with every line.
+    let doubling: String = (0..60).map(|i| format!("  t{} = tuple t{i} t{i}\n", i + 1)).collect();
+    let error = parse(&format!("jerboa-ir 1\nfun f(t0: u32) @\n{doubling}  unset\n")).unwrap_err();
+    assert!(error.what.contains("too large"), "{error}");
+    // A long chain of lines and a deep nest of continuations are no mistake.
+    let chain: String = (0..50_000).map(|i| format!("  n{} = add n{i} 1u\n", i + 1)).collect();
+    let chain = format!("jerboa-ir 1\nfun f(n0: u32, k: fn(u32)) @\n{chain}  jump k(n50000)\n");
+    assert!(print(&parse(&chain).unwrap()).ends_with("jump k(n50000)\n"));
+    let nest: String =
+        (0..5_000).map(|i| format!("  jump r{}(n{i})\n  rest r{}(n{}: u32)\n", i + 1, i + 1, i + 1)).collect();
+    let nest = format!("jerboa-ir 1\nfun f(n0: u32, k: fn(u32)) @\n{nest}  jump k(n0)\n");
+    let text = print(&parse(&nest).unwrap());
+    assert!(text.ends_with("jump k(n0)\n"));
+    assert_eq!(print(&parse(&text).unwrap()), text);
+}
+
+#[test]
+fn errors_tell_line_and_column() {
+    let at = |text: &str| {
+        let error = parse(&format!("jerboa-ir 1\n{text}")).expect_err(text);
+        format!("{}:{} {}", error.line, error.column, error.what)
+    };
+    assert_eq!(parse("jerboa-ir 2\n").unwrap_err().to_string(), "line 1, column 1: a text begins with `jerboa-ir 1`, this one with `jerboa-ir 2`");
+    assert_eq!(at("fun f(x: f64) @\n"), "2:10 `f64` is no type");
+    assert_eq!(at("fun f(x: f32) @\n"), "2:1 this continuation has no jump");
+    assert_eq!(at("fun f(x: f32) @\n  y = add x 1u\n  unset\n"), "3:7 add does not take [f32, u32]");
+    assert_eq!(at("fun f(x: f32) @\n  y = add x 1\n  unset\n"), "3:13 `1` is neither a name nor a literal (`2i`, `2u`, `2.0`)");
+    assert_eq!(at("fun f(x: f32) @\n  y = add x z\n  unset\n"), "3:13 this name is not known here");
+    assert_eq!(at("fun f(x: f32, x: f32) @\n  unset\n"), "2:5 a second `x` among the parameters and names here");
+    assert_eq!(at("fun f() @\n  unset\n  unset\n"), "4:3 no continuation waits for a jump here");
+    assert_eq!(at("entry e = f\n"), "2:11 no continuation `f` stands at the margin");
+    assert_eq!(at("fun f() %\n  unset\n"), "2:9 `%` means nothing here");
+    assert_eq!(at("  arm f() @\n  unset\n"), "2:3 the first continuation stands at the margin");
+    assert_eq!(at("table t by rows\n  c: f32 sometimes\n"), "3:10 `structure`, `value` or `bulk`, not `sometimes`");
+}
