@@ -147,10 +147,14 @@ fn check_sizes(
             "compare needs at least one image beside the reference",
         ));
     }
-    for image in renders.iter().chain(variance) {
+    let named = renders
+        .iter()
+        .enumerate()
+        .map(|(i, image)| (format!("image {}", i + 1), image));
+    for (name, image) in named.chain(variance.map(|v| ("the variance".into(), v))) {
         if (image.width, image.height) != (reference.width, reference.height) {
             return Err(Error::new(format!(
-                "the images differ in size: {}x{} against the reference's {}x{}; render at the reference's size",
+                "{name} has {}x{} pixels, the reference {}x{}; render at the reference's size",
                 image.width, image.height, reference.width, reference.height
             )));
         }
@@ -395,7 +399,7 @@ mod tests {
             compare(&[image(2)], &image(3), None)
                 .unwrap_err()
                 .to_string()
-                .contains("2x1 against the reference's 3x1")
+                .contains("image 1 has 2x1 pixels, the reference 3x1")
         );
         assert!(compare(&[], &image(3), None).is_err());
     }

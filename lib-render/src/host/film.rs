@@ -72,7 +72,7 @@ struct Pixel {
     count: u32,
 }
 
-/// Exact sums of linear RGB samples over a window of the image.
+/// Exact sums of linear RGB samples over a window of the image, at most 2^32 - 1 samples a pixel.
 ///
 /// A tile's film is a film with a smaller window: threads fill one each and [`Film::merge`] them, in any order.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,7 +11,9 @@
 //! So the build ends on every input, in time n·log n but for `obvhs`' own, and its depth never exceeds [`MAX_DEPTH`].
 //!
 //! What a ray hits is a function of the ray and the triangles, not of the tree (Law 9): boxes are the exact bounds of
-//! the f32 vertices (a traversal pads its slab test, accuracy.md, N3), and ties in t go to the smallest primitive number.
+//! the f32 vertices, and ties in t go to the smallest primitive number. A traversal gives its slab test room on *both*
+//! planes, far ×1.0000004 (accuracy.md, N3) and near ×0.9999996: with an exact near plane 269 of 200,000 rays at
+//! overlapping coplanar triangles missed the smallest number among equal t, with the padded one none did.
 //!
 //! ```
 //! use jerboa_lib_render::host::bvh::{Bvh, ChildRef};
