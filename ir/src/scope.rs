@@ -10,6 +10,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::program::*;
+use crate::stats::Reach;
 
 /// Nesting of a program; tables are indexed by continuation or by node.
 #[derive(Clone, Debug, Default)]
@@ -28,7 +29,7 @@ pub struct Scope {
     pub constants: u32,
     /// Free parameters of each continuation, ascending.
     pub free: Vec<Box<[NodeId]>>,
-    /// What is out of scope, in words: a value used where it is not made.
+    /// What is out of scope, in words: a value used where it is not made. If there are entries, only what they reach.
     pub faults: Vec<(ContId, String)>,
 }
 
@@ -41,7 +42,17 @@ impl Scope {
         let mut scope = Scope { free: free.iter().map(|s| sets.params(*s)).collect(), ..Scope::default() };
         scope.nest(p);
         scope.own(p);
+        scope.forgive_unused(p);
         scope
+    }
+
+    /// Only what an entry reaches has to nest: a function that is never called is mentioned nowhere, so what holds its
+    /// free parameters together is missing.
+    fn forgive_unused(&mut self, p: &Program) {
+        if !p.entries.is_empty() && !self.faults.is_empty() {
+            let reach = Reach::from_entries(p);
+            self.faults.retain(|(c, _)| reach.conts.contains(c));
+        }
     }
 
     /// Is `outer` the continuation itself or around it?

@@ -98,47 +98,54 @@ pub enum Error {
     },
 }
 
-impl Error {
-    fn text(&self) -> String {
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Error::Read { file, reason } => {
-                format!(
+                write!(
+                    f,
                     "{}: cannot be read: {reason}; check the path and its permissions",
                     file.display()
                 )
             }
             Error::Builtin { name } => {
                 let known: Vec<_> = crate::builtin::list().iter().map(|b| b.name).collect();
-                format!(
+                write!(
+                    f,
                     "builtin:{name}: no such built-in scene; there are {}",
                     known.join(", ")
                 )
             }
             Error::Camera { name, known } if known.is_empty() => {
-                format!(
+                write!(
+                    f,
                     "camera \"{name}\": the scene has no camera; leave the name out to frame the whole scene"
                 )
             }
             Error::Camera { name, known } => {
-                format!(
+                write!(
+                    f,
                     "camera \"{name}\": the scene has no camera of that name; there are {}",
                     known.join(", ")
                 )
             }
             Error::Container { file, reason } => {
-                format!(
+                write!(
+                    f,
                     "{}: not a glTF 2.0 file: {reason}; export it again as .glb or .gltf",
                     file.display()
                 )
             }
             Error::Json { file, reason } => {
-                format!(
+                write!(
+                    f,
                     "{}: the JSON does not parse: {reason}; export it again",
                     file.display()
                 )
             }
             Error::Value { file, path, reason } => {
-                format!(
+                write!(
+                    f,
                     "{}: {path}: {reason}; correct the property or export again",
                     file.display()
                 )
@@ -149,7 +156,8 @@ impl Error {
                 index,
                 of,
             } => {
-                format!(
+                write!(
+                    f,
                     "{}: {path}: index {index}, but there are {of}; the exporter wrote a broken reference",
                     file.display()
                 )
@@ -159,11 +167,13 @@ impl Error {
                 path,
                 uri,
                 reason,
-            } => format!(
+            } => write!(
+                f,
                 "{}: {path}: \"{uri}\" is refused: {reason}; use a data: URI or a file in the scene's own folder",
                 file.display()
             ),
-            Error::Extension { file, name } => format!(
+            Error::Extension { file, name } => write!(
+                f,
                 "{}: extensionsRequired: {name} is required but unknown to Jerboa; export without it",
                 file.display()
             ),
@@ -174,24 +184,20 @@ impl Error {
                 limit,
             } => {
                 let colon = if path.is_empty() { "" } else { ": " };
-                format!(
+                write!(
+                    f,
                     "{}: {path}{colon}{what} exceeds the limit of {limit}; make it smaller or raise the limit",
                     file.display()
                 )
             }
             Error::Environment { file, reason } => {
-                format!(
+                write!(
+                    f,
                     "{}: not a usable environment image: {reason}; give a lat-long .hdr or .exr",
                     file.display()
                 )
             }
         }
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&one_line(&self.text()))
     }
 }
 
@@ -210,23 +216,16 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = if self.path.is_empty() {
-            String::new()
+        if !self.path.is_empty() {
+            write!(f, "{}: ", self.path)?;
+        }
+        write!(f, "{}", self.message)?;
+        if self.count > 1 {
+            write!(f, " ({} times)", self.count)
         } else {
-            format!("{}: ", self.path)
-        };
-        let times = if self.count > 1 {
-            format!(" ({} times)", self.count)
-        } else {
-            String::new()
-        };
-        f.write_str(&one_line(&format!("{place}{}{times}", self.message)))
+            Ok(())
+        }
     }
-}
-
-/// Without control characters: names and decoders' words come from elsewhere, and a message is a line.
-fn one_line(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).collect()
 }
 
 /// Adds a warning: the same message again only raises its count.

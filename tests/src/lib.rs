@@ -1,1 +1,21 @@
-//! (front page to come)
+//! What the tests of the whole share: random decisions that shrink, special values, random programs.
+//!
+//! The law they serve is Law 3: the interpreter, the residual in the interpreter and the machine code give the same
+//! bits. `tests/conformance.rs` checks each operation on every engine over all special values (accuracy list, T2);
+//! `tests/random.rs` checks random programs (T1, T23).
+//!
+//! ```
+//! use jerboa_ir::interp::{Limits, run};
+//! use jerboa_tests::choices::Choices;
+//!
+//! let mut c = Choices::random(1);
+//! let case = jerboa_tests::programs::case(&mut c);
+//! let args = case.arguments(&mut c);
+//! run(&case.program, case.main, &args, &mut case.memory.clone(), Limits::default()).expect("it ends");
+//! ```
+
+pub mod choices;
+pub mod forms;
+pub mod programs;
+pub mod refold;
+pub mod values;

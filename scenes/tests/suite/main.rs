@@ -2,8 +2,6 @@
 
 mod builtin;
 mod common;
-mod hostile;
-mod messages;
 mod missing;
 mod reading;
 mod shared;

@@ -1,4 +1,0 @@
-//! Residuals built by hand, as machine code.
-
-mod build;
-mod ops;
