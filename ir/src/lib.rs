@@ -20,6 +20,10 @@ mod parse_line;
 pub mod parse;
 pub mod typing;
 pub mod error;
+pub mod dom;
+pub mod loops;
+pub mod cfg;
+pub mod schedule;
 
 pub use error::{Fault, TextError};
 pub use lit::{Lit, NAN_BITS};

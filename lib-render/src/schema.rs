@@ -4,7 +4,7 @@
 //! (emissive or not, lobe present or not); *value* columns hold numbers; *bulk* columns texels, vertices, trees,
 //! distributions, and what must never recompile: camera, film, seed. The host half that fills them is `host::tables`.
 
-use jerboa_ir::lang::{declare, spec};
+use jerboa_ir::lang::{Buf, Spec, declare, spec};
 use jerboa_ir::{stream, table};
 
 /// "None" in a column of indices.
@@ -560,29 +560,40 @@ stream! {
     }
 }
 
-/// Declare every buffer; the order is the binding number.
+/// Every buffer; the order is the binding number.
+pub const BUFFERS: &[Spec] = &[
+    spec::<Settings>(),
+    spec::<Frame>(),
+    spec::<Textures>(),
+    spec::<Texels>(),
+    spec::<SrgbCurve>(),
+    spec::<Materials>(),
+    spec::<Geometries>(),
+    spec::<Primitives>(),
+    spec::<Vertices>(),
+    spec::<Normals>(),
+    spec::<Uvs>(),
+    spec::<Tangents>(),
+    spec::<Nodes>(),
+    spec::<Triangles>(),
+    spec::<Lights>(),
+    spec::<LightChoice>(),
+    spec::<Environment>(),
+    spec::<EnvironmentTexels>(),
+    spec::<EnvironmentColumns>(),
+    spec::<EnvironmentRows>(),
+    spec::<Samples>(),
+];
+
+/// Declare every buffer in the program that is being built.
 pub fn declare_all() {
-    declare(&[
-        spec::<Settings>(),
-        spec::<Frame>(),
-        spec::<Textures>(),
-        spec::<Texels>(),
-        spec::<SrgbCurve>(),
-        spec::<Materials>(),
-        spec::<Geometries>(),
-        spec::<Primitives>(),
-        spec::<Vertices>(),
-        spec::<Normals>(),
-        spec::<Uvs>(),
-        spec::<Tangents>(),
-        spec::<Nodes>(),
-        spec::<Triangles>(),
-        spec::<Lights>(),
-        spec::<LightChoice>(),
-        spec::<Environment>(),
-        spec::<EnvironmentTexels>(),
-        spec::<EnvironmentColumns>(),
-        spec::<EnvironmentRows>(),
-        spec::<Samples>(),
-    ]);
+    declare(BUFFERS);
+}
+
+/// Binding number of a buffer.
+///
+/// # Panics
+/// When it is not in [`BUFFERS`].
+pub fn binding<B: Buf>() -> usize {
+    BUFFERS.iter().position(|s| s.0 == B::NAME).expect("every buffer of the schema is listed")
 }

@@ -98,54 +98,47 @@ pub enum Error {
     },
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Error {
+    fn text(&self) -> String {
         match self {
             Error::Read { file, reason } => {
-                write!(
-                    f,
+                format!(
                     "{}: cannot be read: {reason}; check the path and its permissions",
                     file.display()
                 )
             }
             Error::Builtin { name } => {
                 let known: Vec<_> = crate::builtin::list().iter().map(|b| b.name).collect();
-                write!(
-                    f,
+                format!(
                     "builtin:{name}: no such built-in scene; there are {}",
                     known.join(", ")
                 )
             }
             Error::Camera { name, known } if known.is_empty() => {
-                write!(
-                    f,
+                format!(
                     "camera \"{name}\": the scene has no camera; leave the name out to frame the whole scene"
                 )
             }
             Error::Camera { name, known } => {
-                write!(
-                    f,
+                format!(
                     "camera \"{name}\": the scene has no camera of that name; there are {}",
                     known.join(", ")
                 )
             }
             Error::Container { file, reason } => {
-                write!(
-                    f,
+                format!(
                     "{}: not a glTF 2.0 file: {reason}; export it again as .glb or .gltf",
                     file.display()
                 )
             }
             Error::Json { file, reason } => {
-                write!(
-                    f,
+                format!(
                     "{}: the JSON does not parse: {reason}; export it again",
                     file.display()
                 )
             }
             Error::Value { file, path, reason } => {
-                write!(
-                    f,
+                format!(
                     "{}: {path}: {reason}; correct the property or export again",
                     file.display()
                 )
@@ -156,8 +149,7 @@ impl fmt::Display for Error {
                 index,
                 of,
             } => {
-                write!(
-                    f,
+                format!(
                     "{}: {path}: index {index}, but there are {of}; the exporter wrote a broken reference",
                     file.display()
                 )
@@ -167,13 +159,11 @@ impl fmt::Display for Error {
                 path,
                 uri,
                 reason,
-            } => write!(
-                f,
+            } => format!(
                 "{}: {path}: \"{uri}\" is refused: {reason}; use a data: URI or a file in the scene's own folder",
                 file.display()
             ),
-            Error::Extension { file, name } => write!(
-                f,
+            Error::Extension { file, name } => format!(
                 "{}: extensionsRequired: {name} is required but unknown to Jerboa; export without it",
                 file.display()
             ),
@@ -184,20 +174,24 @@ impl fmt::Display for Error {
                 limit,
             } => {
                 let colon = if path.is_empty() { "" } else { ": " };
-                write!(
-                    f,
+                format!(
                     "{}: {path}{colon}{what} exceeds the limit of {limit}; make it smaller or raise the limit",
                     file.display()
                 )
             }
             Error::Environment { file, reason } => {
-                write!(
-                    f,
+                format!(
                     "{}: not a usable environment image: {reason}; give a lat-long .hdr or .exr",
                     file.display()
                 )
             }
         }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&one_line(&self.text()))
     }
 }
 
@@ -216,16 +210,23 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.path.is_empty() {
-            write!(f, "{}: ", self.path)?;
-        }
-        write!(f, "{}", self.message)?;
-        if self.count > 1 {
-            write!(f, " ({} times)", self.count)
+        let place = if self.path.is_empty() {
+            String::new()
         } else {
-            Ok(())
-        }
+            format!("{}: ", self.path)
+        };
+        let times = if self.count > 1 {
+            format!(" ({} times)", self.count)
+        } else {
+            String::new()
+        };
+        f.write_str(&one_line(&format!("{place}{}{times}", self.message)))
     }
+}
+
+/// Without control characters: names and decoders' words come from elsewhere, and a message is a line.
+fn one_line(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).collect()
 }
 
 /// Adds a warning: the same message again only raises its count.

@@ -78,7 +78,7 @@ pub use environment::Environment;
 pub use error::{Error, Warning};
 pub use light::{Light, LightKind};
 pub use limits::Limits;
-pub use material::{AlphaMode, Material, TextureRef, UvTransform, Volume};
+pub use material::{AlphaMode, Material, Phong, TextureRef, UvTransform, Volume};
 pub use mesh::{Instance, Mesh};
 pub use scene::Scene;
 pub use texture::{Filter, Image, Texture, TextureSource, Wrap};

@@ -84,6 +84,17 @@ pub struct Material {
     pub transmission_texture: Option<TextureRef>,
     /// The inside, for a closed mesh; `None` is a thin wall.
     pub volume: Option<Volume>,
+    /// Physically corrected Phong over diffuse `base_color` instead of all the above (no glTF file has it).
+    pub phong: Option<Phong>,
+}
+
+/// The specular part of a Phong material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phong {
+    /// Reflectance, linear RGB; with the diffuse part at most 1.
+    pub ks: [f32; 3],
+    /// Exponent, at least 0.
+    pub ns: f32,
 }
 
 /// KHR_materials_volume: the absorbing inside of a closed mesh.
@@ -124,6 +135,7 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             volume: None,
+            phong: None,
         }
     }
 }

@@ -71,7 +71,7 @@ pub mod control;
 pub mod buffer;
 
 pub use block::{Block, Ends, Left};
-pub use buffer::{Array, Buf, Col, ColumnSpec, Elem, Row, SpecTy, declare, spec};
+pub use buffer::{Array, Buf, Col, ColumnSpec, Elem, Row, Spec, SpecTy, declare, spec};
 pub use control::{Case, Range, range};
 pub use fun::{Exit, Fun, Never, always, entry, known, never};
 pub use staged::{Keep, Staged};

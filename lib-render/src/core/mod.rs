@@ -3,3 +3,8 @@
 pub mod vec;
 pub mod color;
 pub mod rng;
+pub mod math;
+pub mod onb;
+pub mod sampling;
+pub mod fresnel;
+pub mod microfacet;

@@ -11,6 +11,7 @@
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it.
 
+pub mod tables;
 pub mod bvh;
 pub mod compare;
 pub mod distribution;

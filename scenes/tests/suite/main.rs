@@ -2,6 +2,8 @@
 
 mod builtin;
 mod common;
+mod hostile;
+mod messages;
 mod missing;
 mod reading;
 mod shared;

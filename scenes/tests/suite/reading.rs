@@ -34,7 +34,7 @@ fn transforms_compose_in_double_precision() {
     let mut d = triangle();
     d["nodes"] = json!([
         {"translation": [1000000.3, 0, 0], "children": [1]},
-        {"rotation": [0, 0, 0.7071067811865476, 0.7071067811865476], "scale": [2, 3, 4], "children": [2]},
+        {"rotation": [0, 0, 1, 1], "scale": [2, 3, 4], "children": [2]},
         {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0.125,0.25,0.5,1], "mesh": 0},
     ]);
     let to_world = load(&d).unwrap().instances[0].to_world;
@@ -304,10 +304,10 @@ fn cameras_and_lights() {
     let light = |i: usize| json!({"KHR_lights_punctual": {"light": i}});
     d["nodes"] = json!([
         {"camera": 0, "translation": [1, 2, 3], "scale": [5, 5, 5]},
-        {"camera": 1, "name": "node name", "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476]},
+        {"camera": 1, "name": "node name", "rotation": [0, 1, 0, 1]},
         {"extensions": light(0), "translation": [4, 5, 6]},
         {"extensions": light(1)},
-        {"extensions": light(2), "rotation": [-0.7071067811865476, 0, 0, 0.7071067811865476]},
+        {"extensions": light(2), "rotation": [-1, 0, 0, 1]},
     ]);
     d["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4]);
     let scene = load(&d).unwrap();

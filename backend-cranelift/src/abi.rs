@@ -1,0 +1,138 @@
+//! How values travel: types, signatures, and what a kernel is given.
+//!
+//! A vector is its lanes, each a scalar of its own. A residual function has Cranelift's `tail` convention, so that a tail
+//! call takes no stack, and the parameters
+//!
+//!     bindings, if it or a callee touches a buffer · depth, if it or a callee recurses · area, if the results need one ·
+//!     its own
+//!
+//! It returns a status, if it or a callee recurses, and its results: in registers if they fit, else in the caller's area.
+
+use cranelift_codegen::ir::{AbiParam, Signature, Type, types};
+use cranelift_codegen::isa::CallConv;
+use jerboa_ir::cfg::{Cfg, Function};
+use jerboa_ir::{Body, Mem, Node, Program, Scalar, Ty};
+use jerboa_ir::schedule::Schedule;
+
+/// Memory of one buffer, as a kernel is given it: an array of these, indexed by binding number.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// The first word; 4-byte aligned. A buffer of no rows may have any pointer here.
+    pub words: *mut u32,
+    /// Number of rows; there are as many words as rows times columns.
+    pub rows: u32,
+}
+
+// SAFETY: a binding is an address and a number; whoever calls a kernel with it answers for the memory ([`crate::Kernel`]).
+unsafe impl Send for Binding {}
+// SAFETY: as above; it has no interior mutability.
+unsafe impl Sync for Binding {}
+
+impl Binding {
+    /// Binds words that hold `rows` rows.
+    pub fn new(words: &mut [u32], rows: u32) -> Binding {
+        Binding { words: words.as_mut_ptr(), rows }
+    }
+}
+
+/// How a kernel ended.
+#[must_use]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Status {
+    /// It ran to its end.
+    Done,
+    /// Its recursion got deeper than [`crate::DEPTH_LIMIT`]. Buffers may be half written, results are not.
+    Limit,
+}
+
+/// The type of an address.
+pub(crate) const POINTER: Type = types::I64;
+
+/// Results of each register class that a function returns in registers; both x86-64 and AArch64 have that many.
+const RESULT_REGISTERS: usize = 8;
+
+/// The machine type of a scalar. A bool is the byte 0 or 1.
+pub(crate) fn clif(scalar: Scalar) -> Type {
+    match scalar {
+        Scalar::Bool => types::I8,
+        Scalar::I32 | Scalar::U32 => types::I32,
+        Scalar::F32 => types::F32,
+    }
+}
+
+/// The lanes of data of this type.
+pub(crate) fn lanes(ty: Ty) -> impl Iterator<Item = Scalar> {
+    let (scalar, n) = ty.lanes().unwrap_or((Scalar::Bool, 0));
+    std::iter::repeat_n(scalar, n)
+}
+
+/// How a function is called.
+#[derive(Clone, Debug)]
+pub(crate) struct Shape {
+    /// Lanes of its own parameters.
+    pub params: Vec<Scalar>,
+    /// Lanes of its results.
+    pub results: Vec<Scalar>,
+    /// Does it take the bindings?
+    pub bindings: bool,
+    /// Does it take the depth and return a status?
+    pub counted: bool,
+}
+
+impl Shape {
+    /// Do the results go through memory?
+    pub fn has_area(&self) -> bool {
+        let floats = self.results.iter().filter(|s| **s == Scalar::F32).count();
+        let ints = self.results.len() - floats + self.counted as usize;
+        floats > RESULT_REGISTERS || ints > RESULT_REGISTERS
+    }
+
+    /// The signature.
+    pub fn signature(&self) -> Signature {
+        let mut s = Signature::new(CallConv::Tail);
+        let hidden = [(self.bindings, POINTER), (self.counted, types::I32), (self.has_area(), POINTER)];
+        let hidden = hidden.into_iter().filter(|(there, _)| *there).map(|(_, ty)| ty);
+        s.params = hidden.chain(self.params.iter().map(|p| clif(*p))).map(AbiParam::new).collect();
+        let status = self.counted.then_some(types::I32);
+        let results = self.results.iter().filter(|_| !self.has_area()).map(|r| clif(*r));
+        s.returns = status.into_iter().chain(results).map(AbiParam::new).collect();
+        s
+    }
+}
+
+/// The shapes of all functions.
+pub(crate) fn shapes(p: &Program, cfg: &Cfg, schedules: &[Schedule]) -> Vec<Shape> {
+    let components = cfg.functions.iter().map(|f| f.component as usize + 1).max().unwrap_or(0);
+    let (mut bindings, mut counted) = (vec![false; components], vec![false; components]);
+    let mut order: Vec<usize> = (0..cfg.functions.len()).collect();
+    order.sort_by_key(|f| cfg.functions[*f].component);
+    for &i in &order {
+        let f = &cfg.functions[i];
+        let own = f.component as usize;
+        let callees = || f.calls.iter().map(|c| cfg.functions[c.callee as usize].component as usize);
+        bindings[own] |= touches_buffers(p, f, &schedules[i]) || callees().any(|c| bindings[c]);
+        counted[own] |= f.recursive || callees().any(|c| counted[c]);
+    }
+    let shape = |f: &Function| {
+        let params = &p.cont(f.cont).params;
+        let (ret, own) = params.split_last().expect("a function has a return");
+        Shape {
+            params: own.iter().flat_map(|x| lanes(x.ty)).collect(),
+            results: ret.ty.params().unwrap_or_default().iter().flat_map(|ty| lanes(*ty)).collect(),
+            bindings: bindings[f.component as usize],
+            counted: counted[f.component as usize],
+        }
+    };
+    cfg.functions.iter().map(shape).collect()
+}
+
+/// Does the function itself read, load or store in a buffer?
+fn touches_buffers(p: &Program, f: &Function, schedule: &Schedule) -> bool {
+    let placed = |body: &Body| match body {
+        Body::Load { mem, .. } | Body::Store { mem, .. } => !matches!(mem, Mem::Local(_)),
+        _ => false,
+    };
+    f.blocks.iter().any(|b| placed(&p.cont(b.cont).body))
+        || schedule.blocks.iter().flatten().any(|n| matches!(p.node(*n), Node::Read { .. }))
+}

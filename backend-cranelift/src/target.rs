@@ -1,0 +1,76 @@
+//! The machine that the code is for: this one.
+
+use std::sync::Arc;
+
+use cranelift_codegen::isa::TargetIsa;
+use cranelift_codegen::settings::{self, Configurable};
+
+use crate::Error;
+
+/// How much work Cranelift puts into its code.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Opt {
+    /// None: the residual is clean already, and Cranelift's own passes would cost compile time for nothing.
+    #[default]
+    None,
+    /// Cranelift's e-graph: common subexpressions, strength reduction, hoisting of constants.
+    Speed,
+}
+
+/// Settings of [`crate::compile`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Options {
+    /// How much Cranelift optimises.
+    pub opt: Opt,
+    /// Check the CLIF before code is made of it; about doubles the time of code generation.
+    pub verify: bool,
+    /// Keep the CLIF and the disassembly of each kernel for [`crate::Code::clif`] and [`crate::Code::asm`].
+    pub dumps: bool,
+}
+
+impl Default for Options {
+    /// No optimisation, no dumps; verified in debug builds.
+    fn default() -> Options {
+        Options { opt: Opt::None, verify: cfg!(debug_assertions), dumps: false }
+    }
+}
+
+/// The instruction set and what of it we rely on.
+#[derive(Clone)]
+pub(crate) struct Target {
+    pub isa: Arc<dyn TargetIsa>,
+    /// Is a fused multiply-add one instruction? Else it is a call.
+    pub fma: bool,
+}
+
+impl Target {
+    /// This machine.
+    pub fn host(options: &Options) -> Result<Target, Error> {
+        let fault = |e: &dyn std::fmt::Display| Error::Host(e.to_string());
+        let mut flags = settings::builder();
+        let opt_level = match options.opt {
+            Opt::None => "none",
+            Opt::Speed => "speed",
+        };
+        let verify = if options.verify { "true" } else { "false" };
+        let wanted =
+            [("opt_level", opt_level), ("enable_verifier", verify), ("is_pic", "false"), ("use_colocated_libcalls", "false")];
+        for (name, value) in wanted {
+            flags.set(name, value).map_err(|e| fault(&e))?;
+        }
+        let native = cranelift_native::builder().map_err(|e| fault(&e))?;
+        let isa = native.finish(settings::Flags::new(flags)).map_err(|e| fault(&e))?;
+        let feature = |name: &str| isa.isa_flags().iter().find(|f| f.name == name).and_then(|f| f.as_bool());
+        // Rounding to integers is one instruction from SSE4.1 on; other machines that we know have it always.
+        if feature("has_sse41") == Some(false) {
+            return Err(Error::Host("the processor has no SSE4.1 (x86 processors have it since 2008)".to_owned()));
+        }
+        let fma = feature("has_fma") != Some(false);
+        Ok(Target { isa, fma })
+    }
+}
+
+/// What [`Target::fma`] falls back to; rounds once, as the operation says.
+pub(crate) extern "C" fn fused_multiply_add(a: f32, b: f32, c: f32) -> f32 {
+    a.mul_add(b, c)
+}

@@ -1,0 +1,4 @@
+//! Residuals built by hand, as machine code.
+
+mod build;
+mod ops;

@@ -1,0 +1,56 @@
+//! The GGX distribution of microfacet normals with separable Smith masking (glTF 2.0, appendix B.3). Directions are
+//! local: z is the normal of the surface; α > 0 is the square of the perceptual roughness.
+
+use std::f32::consts::FRAC_1_PI;
+
+use jerboa_ir::lang::F32;
+
+use crate::core::math::sincos_turns;
+use crate::core::vec::{Vec2, Vec3, vec3};
+
+/// α below which a surface counts as perfectly smooth: one place decides, and so do `sample`, `pdf` and `eval` (T6).
+pub const SMOOTH_ALPHA: f32 = 1e-3;
+
+/// Density of the normal h per unit of projected area, 0 for h below the surface.
+///
+/// Source: Walter, Marschner, Li, Torrance 2007, equation 33, in stretched coordinates: accurate for every α, where the
+/// form with the cosine alone is off by 12 % at α = 1e-3 (N4).
+pub fn ggx_d(h: Vec3, alpha: F32) -> F32 {
+    let (x, y) = (h.x / alpha, h.y / alpha);
+    let t = x * x + y * y + h.z * h.z;
+    let d = FRAC_1_PI / (alpha * alpha * (t * t));
+    h.z.gt(0.0).select(d, 0.0.into())
+}
+
+/// Smith's masking of one direction with this cosine; 0 below the surface.
+///
+/// Source: glTF 2.0, appendix B.3.3: 2 c / (c + √(α² + (1 − α²) c²)).
+pub fn ggx_g1(cos: F32, alpha: F32) -> F32 {
+    let a2 = alpha * alpha;
+    let g = 2.0 * cos / (cos + (a2 + (1.0 - a2) * (cos * cos)).sqrt());
+    cos.gt(0.0).select(g, 0.0.into())
+}
+
+/// A normal that is visible from wo (z > 0), with density [`ggx_visible_pdf`].
+///
+/// Source: Dupuy & Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3: the mirror image of a
+/// stretched direction is uniform on a cap of the sphere.
+pub fn ggx_sample_visible(u: Vec2, wo: Vec3, alpha: F32) -> Vec3 {
+    let i = stretch(wo, alpha);
+    let (sin_phi, cos_phi) = sincos_turns(u.x);
+    let z = (1.0 - u.y) * (1.0 + i.z) - i.z;
+    let sin = (1.0 - z * z).max(0.0).sqrt();
+    let h = vec3(sin * cos_phi, sin * sin_phi, z) + i;
+    // Stretched back; a normal that rounding put below the surface lies on the rim.
+    vec3(h.x * alpha, h.y * alpha, h.z.max(0.0)).normalize()
+}
+
+/// Density of h under [`ggx_sample_visible`], per steradian of h: G1(wo) (wo·h) D(h) / wo.z.
+pub fn ggx_visible_pdf(wo: Vec3, h: Vec3, alpha: F32) -> F32 {
+    ggx_g1(wo.z, alpha) * wo.dot(h).max(0.0) * ggx_d(h, alpha) / wo.z
+}
+
+/// To the space where the distribution is that of a hemisphere.
+fn stretch(w: Vec3, alpha: F32) -> Vec3 {
+    vec3(w.x * alpha, w.y * alpha, w.z).normalize()
+}

@@ -1,0 +1,74 @@
+//! Warps of uniform numbers to shapes and directions. Directions are local, z is the axis.
+
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+use jerboa_ir::lang::F32;
+
+use crate::core::math::sincos_turns;
+use crate::core::vec::{Vec2, Vec3, vec2, vec3};
+
+/// Density of a direction chosen uniformly from the sphere, per steradian.
+pub const UNIFORM_SPHERE_PDF: f32 = 1.0 / (4.0 * std::f32::consts::PI);
+
+/// A point of the unit disk, uniform: 1/π per unit of area.
+///
+/// Source: Shirley & Chiu 1997, "A low distortion map between disk and square"; one sine and cosine for all four wedges.
+pub fn concentric_disk(u: Vec2) -> Vec2 {
+    let (x, y) = (u.x * 2.0 - 1.0, u.y * 2.0 - 1.0);
+    let wide = x.abs().gt(y.abs());
+    let r = wide.select(x, y);
+    // The centre would be 0/0.
+    let q = wide.select(y, x) / r.eq(0.0).select(1.0.into(), r);
+    let turns = q * 0.125;
+    let (sin, cos) = sincos_turns(wide.select(turns, 0.25 - turns));
+    vec2(r * cos, r * sin)
+}
+
+/// A direction of the upper hemisphere with density cos/π (Malley's method: Pharr, Jakob, Humphreys 2023, section A.5.3).
+/// Its z is at least 0, and above 0 but for a rounding at the rim.
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let d = concentric_disk(u);
+    let z2 = 1.0 - d.x * d.x - d.y * d.y;
+    vec3(d.x, d.y, z2.max(0.0).sqrt())
+}
+
+/// Density of [`cosine_hemisphere`] per steradian, 0 below the plane.
+pub fn cosine_hemisphere_pdf(cos: F32) -> F32 {
+    cos.max(0.0) * FRAC_1_PI
+}
+
+/// Barycentric weights of the second and the third corner, uniform over a triangle.
+///
+/// Source: Heitz 2019, "A low-distortion map between triangle and square", listing 3.
+pub fn uniform_triangle(u: Vec2) -> Vec2 {
+    let low = u.y.gt(u.x);
+    let x = low.select(u.x * 0.5, u.x - u.y * 0.5);
+    let y = low.select(u.y - u.x * 0.5, u.y * 0.5);
+    vec2(x, y)
+}
+
+/// A direction of the sphere, uniform: [`UNIFORM_SPHERE_PDF`].
+pub fn uniform_sphere(u: Vec2) -> Vec3 {
+    cone_direction(1.0 - 2.0 * u.x, u.y)
+}
+
+/// A direction within the cone 1 − cos ≤ `one_minus_cos`, uniform: [`uniform_cone_pdf`]. The complement of the cosine is
+/// asked for, since a narrow cone has none that can be told from 1 (N8).
+pub fn uniform_cone(u: Vec2, one_minus_cos: F32) -> Vec3 {
+    let h = u.x * one_minus_cos;
+    let (sin_phi, cos_phi) = sincos_turns(u.y);
+    let sin = (h * (2.0 - h)).max(0.0).sqrt();
+    vec3(sin * cos_phi, sin * sin_phi, 1.0 - h)
+}
+
+/// Density of [`uniform_cone`] per steradian.
+pub fn uniform_cone_pdf(one_minus_cos: F32) -> F32 {
+    1.0 / (TAU * one_minus_cos)
+}
+
+/// The direction with this cosine to the axis, `turns` around it.
+fn cone_direction(cos: F32, turns: F32) -> Vec3 {
+    let (sin_phi, cos_phi) = sincos_turns(turns);
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    vec3(sin * cos_phi, sin * sin_phi, cos)
+}

@@ -1,0 +1,228 @@
+//! Lights: punctual ones, emissive triangles (paired where two form a parallelogram) and the environment.
+
+use glam::{DVec3, Vec3};
+use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
+
+use super::geometry::Geometry;
+use super::memory::{Memory, RowMut, Table};
+use crate::host::bvh::Triangle;
+use crate::host::distribution::{Distribution1D, Distribution2D};
+use crate::host::image_io::{Image, luminance};
+use crate::schema::Lights as L;
+use crate::schema::*;
+
+/// The tables of lights.
+pub struct LightTables {
+    /// [`Lights`].
+    pub lights: Memory,
+    /// [`LightChoice`].
+    pub choice: Memory,
+    /// For each primitive the light that it is, or `NONE`.
+    pub light_of: Vec<u32>,
+    /// Number of lights.
+    pub count: u32,
+}
+
+/// A light before its row is written: power decides how often it is chosen.
+struct Candidate {
+    /// W, up to a common factor.
+    power: f64,
+    kind: Kind,
+}
+
+enum Kind {
+    Punctual(usize),
+    Area { primitive: u32, other: Option<Quad> },
+    Environment,
+}
+
+/// The second half of a parallelogram.
+#[derive(Clone, Copy)]
+struct Quad {
+    primitive: u32,
+    /// The corner of the first triangle that the two edges of the parallelogram leave from.
+    corner: usize,
+}
+
+/// Relative deviation from a parallelogram up to which two triangles are paired: 4 units in the last place.
+const PARALLELOGRAM: f32 = 4.0 * f32::EPSILON;
+
+/// Collect the lights of a scene. `radius` is that of the bounding sphere.
+pub fn lights(scene: &Scene, geometry: &Geometry, radius: f32) -> LightTables {
+    let mut candidates: Vec<Candidate> = punctual(scene, radius).collect();
+    candidates.extend(area(scene, geometry));
+    if scene.environment.as_ref().is_some_and(|e| e.intensity > 0.0) {
+        // Half of the samples: what share of an environment reaches the inside of a scene is not known here.
+        let others: f64 = candidates.iter().map(|c| c.power).sum();
+        candidates.push(Candidate { power: if others > 0.0 { others } else { 1.0 }, kind: Kind::Environment });
+    }
+    let mut out = LightTables {
+        lights: Memory::default(),
+        choice: Memory::default(),
+        light_of: vec![NONE; geometry.triangles.len()],
+        count: candidates.len() as u32,
+    };
+    let mut table = Table::<L>::new();
+    let mut choice = Table::<LightChoice>::new();
+    if !candidates.is_empty() {
+        let distribution = Distribution1D::new(&candidates.iter().map(|c| c.power).collect::<Vec<_>>());
+        for (i, c) in candidates.iter().enumerate() {
+            let mut row = table.push();
+            row.set(L::PROBABILITY, distribution.probability(i)).set(L::SCENE_RADIUS, radius);
+            row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE);
+            write(&mut row, scene, geometry, &c.kind);
+            if let Kind::Area { primitive, other } = &c.kind {
+                out.light_of[*primitive as usize] = i as u32;
+                other.iter().for_each(|q| out.light_of[q.primitive as usize] = i as u32);
+            }
+        }
+        distribution.cdf.iter().for_each(|p| {
+            choice.push().set(LightChoice::CDF, *p);
+        });
+    }
+    out.lights = table.finish();
+    out.choice = choice.finish();
+    out
+}
+
+fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {
+    use std::f64::consts::PI;
+    let power = move |l: &Light| {
+        luminance(l.intensity)
+            * match l.kind {
+                LightKind::Point => 4.0 * PI,
+                LightKind::Spot { outer, .. } => 2.0 * PI * (1.0 - f64::from(outer).cos()),
+                LightKind::Directional => PI * f64::from(radius).powi(2),
+            }
+    };
+    let lit = scene.lights.iter().enumerate().filter(|(_, l)| l.intensity.iter().any(|c| *c > 0.0));
+    lit.map(move |(i, l)| Candidate { power: power(l), kind: Kind::Punctual(i) })
+}
+
+/// Emissive triangles with an area. Neighbours in the list that form a parallelogram become one light: apart, the seam
+/// between them would double the variance.
+fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Candidate> + 'a {
+    let emissive = |p: usize| scene.materials[geometry.materials[p] as usize].is_emissive();
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        while next < geometry.triangles.len() {
+            let p = next;
+            next += 1;
+            let area = f64::from(area_of(&geometry.triangles[p]));
+            if !emissive(p) || area <= 0.0 {
+                continue;
+            }
+            let m = &scene.materials[geometry.materials[p] as usize];
+            let same = |q: usize| {
+                q < geometry.triangles.len() && geometry.instances[q] == geometry.instances[p] && m.emissive_texture.is_none()
+            };
+            let other = if same(p + 1) { parallelogram(&geometry.triangles[p], &geometry.triangles[p + 1]) } else { None };
+            next += usize::from(other.is_some());
+            let sides = if m.double_sided { 2.0 } else { 1.0 };
+            let halves = if other.is_some() { 2.0 } else { 1.0 };
+            let power = luminance(m.emissive) * texture_mean(scene, m) * area * halves * sides * std::f64::consts::PI;
+            let other = other.map(|corner| Quad { primitive: p as u32 + 1, corner });
+            return Some(Candidate { power, kind: Kind::Area { primitive: p as u32, other } });
+        }
+        None
+    })
+}
+
+/// Mean luminance of the emission's texture, by codes; never below 1/255, so that no lit texel goes unsampled.
+fn texture_mean(scene: &Scene, m: &jerboa_scenes::Material) -> f64 {
+    let Some(source) = m.emissive_texture.map(|t| scene.textures[t.texture].source) else { return 1.0 };
+    match source {
+        TextureSource::Image(i) => {
+            let image = &scene.images[i];
+            let code = |p: &[u8; 4]| luminance([p[0], p[1], p[2]].map(|c| f32::from(c) / 255.0));
+            (image.rgba.iter().map(code).sum::<f64>() / image.rgba.len() as f64).max(1.0 / 255.0)
+        }
+        TextureSource::Checkerboard { even, odd } => (luminance(even) + luminance(odd)) / 2.0,
+    }
+}
+
+fn edges(t: &Triangle, corner: usize) -> [Vec3; 3] {
+    let [p, a, b] = [0, 1, 2].map(|i| Vec3::from(t[(corner + i) % 3]));
+    [p, a - p, b - p]
+}
+
+fn area_of(t: &Triangle) -> f32 {
+    let [_, e1, e2] = edges(t, 0);
+    (e1.as_dvec3().cross(e2.as_dvec3()).length() / 2.0) as f32
+}
+
+/// The corner of `t` from which both edges of the parallelogram `t` ∪ `s` leave, if they form one with the same front.
+fn parallelogram(t: &Triangle, s: &Triangle) -> Option<usize> {
+    (0..3).find(|corner| {
+        let [p, e1, e2] = edges(t, *corner);
+        let fourth = p + e1 + e2;
+        let size = e1.abs().max(e2.abs()).max_element().max(p.abs().max_element());
+        let near = |x: [f32; 3], y: Vec3| (Vec3::from(x) - y).abs().max_element() <= PARALLELOGRAM * size;
+        // The other half runs through the shared edge the other way round.
+        (0..3).any(|i| near(s[i], fourth) && s[(i + 1) % 3] == t[(corner + 2) % 3] && s[(i + 2) % 3] == t[(corner + 1) % 3])
+    })
+}
+
+fn write(row: &mut RowMut<L>, scene: &Scene, geometry: &Geometry, kind: &Kind) {
+    match kind {
+        Kind::Punctual(i) => punctual_row(row, &scene.lights[*i], geometry.origin),
+        Kind::Area { primitive, other } => {
+            let material = geometry.materials[*primitive as usize];
+            let m = &scene.materials[material as usize];
+            let [p, e1, e2] = edges(&geometry.triangles[*primitive as usize], other.map_or(0, |q| q.corner));
+            let whole = if other.is_some() { 1.0 } else { 0.5 };
+            let area = e1.as_dvec3().cross(e2.as_dvec3()).length() * whole;
+            row.set(L::KIND, if other.is_some() { LIGHT_QUAD } else { LIGHT_TRIANGLE });
+            row.set(L::DOUBLE_SIDED, m.double_sided).set(L::TEXTURED, m.emissive_texture.is_some());
+            row.set(L::MATERIAL, material).set(L::PRIMITIVE, *primitive);
+            row.set(L::PRIMITIVE1, other.map_or(NONE, |q| q.primitive)).set(L::AREA, area as f32);
+            row.set_all([L::P_X, L::P_Y, L::P_Z], p.to_array()).set_all([L::E1_X, L::E1_Y, L::E1_Z], e1.to_array());
+            row.set_all([L::E2_X, L::E2_Y, L::E2_Z], e2.to_array()).set_all([L::R, L::G, L::B], m.emissive);
+        }
+        Kind::Environment => {
+            row.set(L::KIND, LIGHT_ENVIRONMENT);
+        }
+    }
+}
+
+fn punctual_row(row: &mut RowMut<L>, light: &Light, origin: DVec3) {
+    let (position, direction) = ((light.position() - origin).as_vec3(), light.direction().as_vec3());
+    row.set_all([L::P_X, L::P_Y, L::P_Z], position.to_array()).set_all([L::E1_X, L::E1_Y, L::E1_Z], direction.to_array());
+    row.set_all([L::R, L::G, L::B], light.intensity);
+    match light.kind {
+        LightKind::Point => row.set(L::KIND, LIGHT_POINT),
+        LightKind::Spot { inner, outer } => {
+            let [outer, inner] = [outer, inner].map(|a| f64::from(a).cos() as f32);
+            row.set(L::KIND, LIGHT_SPOT).set(L::COS_OUTER, outer).set(L::COS_INNER, inner)
+        }
+        LightKind::Directional => row.set(L::KIND, LIGHT_DIRECTIONAL),
+    };
+}
+
+/// The environment's tables: the row, texels, columns and rows of its distribution.
+pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
+    use crate::schema::Environment as E;
+    let mut row = Table::<E>::new();
+    let mut texels = Table::<EnvironmentTexels>::new();
+    let (mut columns, mut rows) = (Table::<EnvironmentColumns>::new(), Table::<EnvironmentRows>::new());
+    if let Some(e) = environment {
+        let (sin, cos) = f64::from(e.rotation_deg).to_radians().sin_cos();
+        row.push()
+            .set(E::WIDTH, e.width)
+            .set(E::HEIGHT, e.height)
+            .set(E::INTENSITY, e.intensity)
+            .set_all([E::ROTATION_COS, E::ROTATION_SIN], [cos as f32, sin as f32]);
+        for c in &e.radiance {
+            texels.push().set_all([EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B], *c);
+        }
+        let image = Image { width: e.width, height: e.height, pixels: e.radiance.clone() };
+        let distribution = Distribution2D::environment(&image);
+        for p in &distribution.columns {
+            columns.push().set(EnvironmentColumns::CDF, *p);
+        }
+        for p in &distribution.rows.cdf {
+            rows.push().set(EnvironmentRows::CDF, *p);
+        }
+    }
+    [row.finish(), texels.finish(), columns.finish(), rows.finish()]
+}

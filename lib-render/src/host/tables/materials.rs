@@ -1,0 +1,98 @@
+//! Materials, and the facts derived from them: which lobes can be present at all.
+
+use jerboa_scenes::{AlphaMode, Material, Scene};
+
+use super::memory::{Memory, Table};
+use super::textures::{Encoding, Textures};
+use crate::schema::Materials as M;
+use crate::schema::*;
+
+/// GGX α below which a lobe counts as perfectly smooth (accuracy.md, T6).
+pub const SMOOTH_ALPHA: f32 = 1e-3;
+
+/// What stands for "F0 = 1" (glTF's ior 0): exact Fresnel at this index reflects all but 4e-6.
+const IOR_OF_MIRROR: f32 = 1e6;
+
+/// One row for each material of the scene, in its order; a scene without materials has one row that nothing uses.
+pub fn materials(scene: &Scene, textures: &mut Textures) -> Memory {
+    let mut table = Table::<M>::new();
+    for m in &scene.materials {
+        let rows = [
+            textures.row(m.base_color_texture.as_ref(), Encoding::Srgb),
+            textures.row(m.metallic_roughness_texture.as_ref(), Encoding::Linear),
+            textures.row(m.normal_texture.as_ref(), Encoding::Linear),
+            textures.row(m.emissive_texture.as_ref(), Encoding::Srgb),
+            textures.row(m.specular_texture.as_ref(), Encoding::Linear),
+            textures.row(m.specular_color_texture.as_ref(), Encoding::Srgb),
+            textures.row(m.transmission_texture.as_ref(), Encoding::Linear),
+        ];
+        let mut row = table.push();
+        row.set(M::BASE_TEXTURED, m.base_color_texture.is_some()).set(M::BASE_TEXTURE, rows[0]);
+        row.set(M::METALLIC_ROUGHNESS_TEXTURED, m.metallic_roughness_texture.is_some());
+        row.set(M::METALLIC_ROUGHNESS_TEXTURE, rows[1]);
+        row.set(M::NORMAL_TEXTURED, m.normal_texture.is_some()).set(M::NORMAL_TEXTURE, rows[2]);
+        row.set(M::EMISSION_TEXTURED, m.emissive_texture.is_some()).set(M::EMISSION_TEXTURE, rows[3]);
+        row.set(M::SPECULAR_TEXTURED, m.specular_texture.is_some()).set(M::SPECULAR_TEXTURE, rows[4]);
+        row.set(M::SPECULAR_COLOR_TEXTURED, m.specular_color_texture.is_some()).set(M::SPECULAR_COLOR_TEXTURE, rows[5]);
+        row.set(M::TRANSMISSION_TEXTURED, m.transmission_texture.is_some()).set(M::TRANSMISSION_TEXTURE, rows[6]);
+        surface(&mut row, m);
+        lobes(&mut row, m);
+    }
+    table.finish()
+}
+
+type Row<'a> = super::memory::RowMut<'a, M>;
+
+/// Kind of surface and its numbers.
+fn surface(row: &mut Row, m: &Material) {
+    let (mode, cutoff) = match m.alpha_mode {
+        AlphaMode::Opaque => (ALPHA_OPAQUE, 0.0),
+        AlphaMode::Mask(cutoff) => (ALPHA_MASK, cutoff),
+        AlphaMode::Blend => (ALPHA_BLEND, 0.0),
+    };
+    row.set(M::UNLIT, m.unlit).set(M::EMISSIVE, m.is_emissive()).set(M::DOUBLE_SIDED, m.double_sided);
+    row.set(M::ALPHA_MODE, mode).set(M::ALPHA_CUTOFF, cutoff);
+    row.set_all([M::BASE_R, M::BASE_G, M::BASE_B, M::BASE_A], m.base_color);
+    row.set(M::METALLIC, m.metallic).set(M::ROUGHNESS, m.roughness).set(M::NORMAL_SCALE, m.normal_scale);
+    row.set_all([M::EMISSION_R, M::EMISSION_G, M::EMISSION_B], m.emissive);
+    row.set(M::IOR, if m.ior == 0.0 { IOR_OF_MIRROR } else { m.ior });
+    row.set(M::SPECULAR, m.specular).set(M::TRANSMISSION, m.transmission);
+    row.set_all([M::SPECULAR_R, M::SPECULAR_G, M::SPECULAR_B], m.specular_color);
+    // KHR_materials_volume: attenuation_color is left of white light after attenuation_distance.
+    let absorption = |v: &jerboa_scenes::Volume| v.attenuation_color.map(|c| -c.max(f32::MIN_POSITIVE).ln() / v.attenuation_distance);
+    let sigma = m.volume.as_ref().map_or([0.0; 3], absorption);
+    row.set_all([M::ABSORPTION_R, M::ABSORPTION_G, M::ABSORPTION_B], sigma);
+    row.set(M::HAS_ABSORPTION, is_thick(m) && sigma.iter().any(|s| *s > 0.0));
+}
+
+/// Which lobes can be present, and whether they are perfectly smooth.
+fn lobes(row: &mut Row, m: &Material) {
+    let textured = m.metallic_roughness_texture.is_some();
+    let all_metal = m.metallic == 1.0 && !textured;
+    let metal = m.metallic > 0.0;
+    let transmission = !all_metal && m.transmission > 0.0;
+    let all_transmission = m.transmission == 1.0 && m.transmission_texture.is_none();
+    let black = m.base_color[..3].iter().all(|c| *c == 0.0);
+    let specular = !all_metal && m.specular > 0.0 && m.specular_color.iter().any(|c| *c > 0.0) && m.ior != 1.0;
+    row.set(M::HAS_METAL, metal).set(M::HAS_SPECULAR, specular).set(M::HAS_TRANSMISSION, transmission);
+    row.set(M::HAS_DIFFUSE, !all_metal && !all_transmission && !black).set(M::THIN, !is_thick(m));
+    let any_lobe = metal || specular || transmission;
+    let smooth_factor = m.roughness * m.roughness < SMOOTH_ALPHA;
+    row.set(
+        M::SMOOTH,
+        match (any_lobe, smooth_factor, textured) {
+            (true, true, _) => SMOOTH_ALWAYS,
+            (true, false, true) => SMOOTH_PER_HIT,
+            _ => SMOOTH_NEVER,
+        },
+    );
+    if let Some(phong) = &m.phong {
+        row.set(M::PHONG, true).set(M::PHONG_NS, phong.ns);
+        row.set_all([M::SPECULAR_R, M::SPECULAR_G, M::SPECULAR_B], phong.ks);
+    }
+}
+
+/// Has the surface an inside?
+fn is_thick(m: &Material) -> bool {
+    m.volume.as_ref().is_some_and(|v| v.thickness > 0.0)
+}

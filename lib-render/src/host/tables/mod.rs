@@ -1,0 +1,186 @@
+//! From a scene to the tables that kernels read, and to the facts that the evaluator knows (Laws 1 and 2).
+//!
+//! A scene enters the program here and nowhere else: as memory, and as the classes of its rows. In reading order:
+//!
+//! * [`memory`]: typed rows over words,
+//! * [`textures`], [`materials`], [`geometry`], [`lights`]: what each table holds,
+//! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
+
+pub mod memory;
+pub mod textures;
+pub mod materials;
+pub mod geometry;
+pub mod lights;
+pub mod classes;
+
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use jerboa_peval::Facts;
+use jerboa_scenes::{Camera, Scene};
+
+pub use classes::Known;
+use memory::{Memory, Table};
+
+use crate::host::bvh::{Bvh, Dropped};
+use crate::host::film::Window;
+use crate::schema::{self, *};
+
+/// The choices of a render that a kernel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choices {
+    /// Largest number of path edges; none for unlimited.
+    pub max_depth: Option<u32>,
+    /// Scattering from which on roulette may end a path; none for no roulette.
+    pub rr_depth: Option<u32>,
+    /// Largest survival probability, in (0, 1].
+    pub rr_cap: f32,
+    /// Shading normals that never let a closed mesh leak, or those of the references.
+    pub consistent_normals: bool,
+}
+
+impl Default for Choices {
+    fn default() -> Self {
+        Choices { max_depth: None, rr_depth: Some(3), rr_cap: 1.0, consistent_normals: true }
+    }
+}
+
+/// A scene in memory, by binding number.
+pub struct Tables {
+    /// Content of each buffer; empty for streams and for [`Frame`], which each pass brings.
+    pub memory: Vec<Memory>,
+    /// What is known of it.
+    pub facts: Facts,
+    /// Subtracted from world positions; see [`geometry::Geometry::origin`].
+    pub origin: DVec3,
+    /// Triangles that no ray can hit.
+    pub dropped: Dropped,
+    /// Time spent on the tree.
+    pub bvh_time: Duration,
+}
+
+impl Tables {
+    /// Lay out a scene.
+    pub fn new(scene: &Scene, choices: &Choices, known: Known) -> Tables {
+        let mut memory = vec![Memory::default(); schema::BUFFERS.len()];
+        let mut put = |binding: usize, m: Memory| memory[binding] = m;
+
+        // Materials and what they look up.
+        let mut textures = textures::Textures::new(scene);
+        put(binding::<Materials>(), materials::materials(scene, &mut textures));
+        let (rows, texels) = textures.finish();
+        put(binding::<Textures>(), rows);
+        put(binding::<Texels>(), texels);
+        put(binding::<SrgbCurve>(), textures::srgb_curve());
+
+        // Triangles and their tree.
+        let geometry = geometry::Geometry::new(scene);
+        let start = Instant::now();
+        let bvh = Bvh::build(&geometry.triangles);
+        let bvh_time = start.elapsed();
+        let [nodes, triangles] = geometry::tree(&bvh, &geometry.triangles);
+        put(binding::<Nodes>(), nodes);
+        put(binding::<Triangles>(), triangles);
+
+        // Lights.
+        let radius = radius(&bvh);
+        let lights = lights::lights(scene, &geometry, radius);
+        put(binding::<Lights>(), lights.lights);
+        put(binding::<LightChoice>(), lights.choice);
+        let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
+        put(binding::<Environment>(), row);
+        put(binding::<EnvironmentTexels>(), texels);
+        put(binding::<EnvironmentColumns>(), columns);
+        put(binding::<EnvironmentRows>(), rows);
+
+        put(binding::<Settings>(), settings(scene, choices, lights.count));
+        put(binding::<Primitives>(), geometry.primitives(&lights.light_of));
+        let origin = geometry.origin;
+        let [geometries, vertices, normals, uvs, tangents] = geometry.finish();
+        put(binding::<Geometries>(), geometries);
+        put(binding::<Vertices>(), vertices);
+        put(binding::<Normals>(), normals);
+        put(binding::<Uvs>(), uvs);
+        put(binding::<Tangents>(), tangents);
+        // A pass brings its own; until then the table has its one row.
+        put(binding::<Frame>(), Table::<Frame>::new().finish());
+
+        let facts = classes::classify(&mut memory, known);
+        Tables { memory, facts, origin, dropped: bvh.dropped, bvh_time }
+    }
+}
+
+/// Radius of the sphere around the box of all triangles, m; 0 without triangles.
+fn radius(bvh: &Bvh) -> f32 {
+    let (lo, hi) = (DVec3::from(bvh.bounds.lo.map(f64::from)), DVec3::from(bvh.bounds.hi.map(f64::from)));
+    if bvh.order.is_empty() { 0.0 } else { ((hi - lo).length() / 2.0) as f32 }
+}
+
+fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
+    use Settings as S;
+    let cutouts = scene.materials.iter().any(|m| m.alpha_mode != jerboa_scenes::AlphaMode::Opaque);
+    let mut table = Table::<S>::new();
+    table
+        .push()
+        .set(S::ROULETTE, choices.rr_depth.is_some())
+        .set(S::RR_DEPTH, choices.rr_depth.unwrap_or(u32::MAX))
+        .set(S::RR_CAP, choices.rr_cap)
+        .set(S::DEPTH_LIMITED, choices.max_depth.is_some())
+        .set(S::MAX_DEPTH, choices.max_depth.unwrap_or(u32::MAX))
+        .set(S::CONSISTENT_NORMALS, choices.consistent_normals)
+        .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
+        .set(S::HAS_LIGHTS, lights > 0)
+        .set(S::LIGHT_COUNT, lights)
+        .set(S::HAS_CUTOUTS, cutouts);
+    table.finish()
+}
+
+/// What a pass brings: camera, film, samples.
+pub struct Pass {
+    /// Film size in pixels.
+    pub size: [u32; 2],
+    /// The pixels of this pass.
+    pub window: Window,
+    /// First sample.
+    pub sample: u32,
+    /// Number of samples per pixel.
+    pub samples: u32,
+    /// Seed of the render.
+    pub seed: u32,
+}
+
+/// The [`Frame`] table of a pass.
+pub fn frame(camera: &Camera, origin: DVec3, pass: &Pass) -> Memory {
+    use Frame as F;
+    let tan = (camera.yfov / 2.0).tan();
+    let aspect = f64::from(pass.size[0]) / f64::from(pass.size[1]);
+    let mut table = Table::<F>::new();
+    let mut row = table.push();
+    row.set(F::WIDTH, pass.size[0]).set(F::HEIGHT, pass.size[1]);
+    row.set(F::CROP_X, pass.window.x).set(F::CROP_Y, pass.window.y).set(F::CROP_WIDTH, pass.window.width);
+    row.set(F::SAMPLE, pass.sample).set(F::SAMPLES, pass.samples).set(F::SEED, pass.seed);
+    let axis = |v: DVec3| v.as_vec3().to_array();
+    row.set_all([F::EYE_X, F::EYE_Y, F::EYE_Z], axis(camera.position() - origin));
+    row.set_all([F::RIGHT_X, F::RIGHT_Y, F::RIGHT_Z], axis(camera.right() * tan * aspect));
+    row.set_all([F::UP_X, F::UP_Y, F::UP_Z], axis(camera.up() * tan));
+    row.set_all([F::FORWARD_X, F::FORWARD_Y, F::FORWARD_Z], axis(camera.forward()));
+    table.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use jerboa_ir::lang::Buf;
+
+    use super::*;
+
+    #[test]
+    fn every_table_has_a_row() {
+        let scene = Scene::load("builtin:cornell-box").expect("a built-in loads");
+        let tables = Tables::new(&scene, &Choices::default(), Known::Structure);
+        for (spec, memory) in schema::BUFFERS.iter().zip(&tables.memory) {
+            let stream = spec.0 == Samples::NAME;
+            assert!(stream || memory.rows >= 1, "{} is empty", spec.0);
+            assert_eq!(memory.words.len(), memory.rows as usize * spec.3.len(), "{}", spec.0);
+        }
+    }
+}

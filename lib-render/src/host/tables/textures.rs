@@ -1,0 +1,125 @@
+//! Textures and texels.
+
+use std::collections::HashMap;
+
+use jerboa_scenes::{Filter, Scene, TextureRef, TextureSource, UvTransform, Wrap};
+
+use super::memory::{Memory, Table};
+use crate::schema::*;
+
+/// How a use of an image reads its colour channels.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Encoding {
+    /// By the sRGB curve.
+    Srgb,
+    /// As they are.
+    Linear,
+}
+
+/// Texture rows that are being collected: one for each way in which the materials use a texture.
+pub struct Textures<'a> {
+    scene: &'a Scene,
+    table: Table<crate::schema::Textures>,
+    texels: Table<Texels>,
+    /// First texel of each image that is in use.
+    offsets: HashMap<usize, u32>,
+    rows: HashMap<Key, u32>,
+}
+
+/// What makes two uses the same row.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Key {
+    texture: usize,
+    uv_set: usize,
+    transform: Option<[u32; 5]>,
+    encoding: Encoding,
+}
+
+impl<'a> Textures<'a> {
+    /// None yet.
+    pub fn new(scene: &'a Scene) -> Self {
+        Textures { scene, table: Table::new(), texels: Table::new(), offsets: HashMap::new(), rows: HashMap::new() }
+    }
+
+    /// The row of a use of a texture; row 0 for none (nothing reads it then).
+    pub fn row(&mut self, use_: Option<&TextureRef>, encoding: Encoding) -> u32 {
+        let Some(r) = use_ else { return 0 };
+        let bits = |t: UvTransform| [t.offset[0], t.offset[1], t.rotation, t.scale[0], t.scale[1]].map(f32::to_bits);
+        let key = Key { texture: r.texture, uv_set: r.uv_set, transform: r.transform.map(bits), encoding };
+        if let Some(row) = self.rows.get(&key) {
+            return *row;
+        }
+        let row = self.table.rows();
+        self.write(r, encoding);
+        self.rows.insert(key, row);
+        row
+    }
+
+    fn write(&mut self, r: &TextureRef, encoding: Encoding) {
+        use crate::schema::Textures as T;
+        let texture = &self.scene.textures[r.texture];
+        let image = match texture.source {
+            TextureSource::Image(i) => Some((i, self.offset(i))),
+            TextureSource::Checkerboard { .. } => None,
+        };
+        let mut row = self.table.push();
+        row.set(T::UV_SET, r.uv_set as u32).set(T::SRGB, encoding == Encoding::Srgb);
+        row.set(T::FILTER, if texture.filter == Filter::Nearest { FILTER_NEAREST } else { FILTER_BILINEAR });
+        row.set(T::WRAP_U, wrap(texture.wrap_s)).set(T::WRAP_V, wrap(texture.wrap_t));
+        if let Some((i, offset)) = image {
+            let image = &self.scene.images[i];
+            row.set(T::KIND, TEXTURE_IMAGE).set(T::OFFSET, offset).set(T::WIDTH, image.width).set(T::HEIGHT, image.height);
+        }
+        if let TextureSource::Checkerboard { even, odd } = texture.source {
+            row.set(T::KIND, TEXTURE_CHECKERBOARD);
+            row.set_all([T::EVEN_R, T::EVEN_G, T::EVEN_B], even).set_all([T::ODD_R, T::ODD_G, T::ODD_B], odd);
+        }
+        if let Some(t) = r.transform {
+            let m = matrix(t);
+            row.set(T::TRANSFORMED, true).set_all([T::M00, T::M01, T::M02, T::M10, T::M11, T::M12], m);
+        }
+    }
+
+    /// First texel of an image; the texels are copied at its first use.
+    fn offset(&mut self, image: usize) -> u32 {
+        let (scene, texels) = (self.scene, &mut self.texels);
+        *self.offsets.entry(image).or_insert_with(|| {
+            let first = texels.rows();
+            for rgba in &scene.images[image].rgba {
+                texels.push().set(Texels::RGBA, u32::from_le_bytes(*rgba));
+            }
+            first
+        })
+    }
+
+    /// The finished tables: textures and texels.
+    pub fn finish(self) -> (Memory, Memory) {
+        (self.table.finish(), self.texels.finish())
+    }
+}
+
+fn wrap(w: Wrap) -> u32 {
+    match w {
+        Wrap::Repeat => WRAP_REPEAT,
+        Wrap::Clamp => WRAP_CLAMP,
+        Wrap::Mirror => WRAP_MIRROR,
+    }
+}
+
+/// The transform as two rows of three, rounded once from double precision.
+fn matrix(t: UvTransform) -> [f32; 6] {
+    let [sx, sy] = t.scale.map(f64::from);
+    let (sin, cos) = f64::from(t.rotation).sin_cos();
+    [cos * sx, sin * sy, t.offset[0].into(), -sin * sx, cos * sy, t.offset[1].into()].map(|x: f64| x as f32)
+}
+
+/// The sRGB curve at its 256 codes (IEC 61966-2-1), rounded once from double precision.
+pub fn srgb_curve() -> Memory {
+    let mut table = Table::<SrgbCurve>::new();
+    for code in 0..256 {
+        let s = f64::from(code) / 255.0;
+        let linear = if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
+        table.push().set(SrgbCurve::LINEAR, linear as f32);
+    }
+    table.finish()
+}

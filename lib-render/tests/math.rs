@@ -1,0 +1,166 @@
+//! The elementary functions against f64. A function of literals folds to a literal, so no engine is needed.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use jerboa_ir::Lit;
+use jerboa_ir::lang::{F32, build};
+use jerboa_lib_render::core::math::*;
+
+/// f at each pair of arguments.
+fn fold(args: &[(f32, f32)], f: impl Fn(F32, F32) -> F32) -> Vec<f32> {
+    args.chunks(1000).flat_map(|args| fold_few(args, &f)).collect()
+}
+
+fn fold_few(args: &[(f32, f32)], f: impl Fn(F32, F32) -> F32) -> Vec<f32> {
+    let mut nodes = vec![];
+    let program = build(|| nodes = args.iter().map(|(x, y)| f((*x).into(), (*y).into()).node()).collect());
+    let value = |n| match program.as_lit(n) {
+        Some(Lit::F32(bits)) => f32::from_bits(bits),
+        other => panic!("not a float: {other:?}"),
+    };
+    nodes.into_iter().map(value).collect()
+}
+
+/// f at each argument.
+fn fold1(args: &[f32], f: impl Fn(F32) -> F32) -> Vec<f32> {
+    let pairs: Vec<(f32, f32)> = args.iter().map(|x| (*x, 0.0)).collect();
+    fold(&pairs, |x, _| f(x))
+}
+
+/// Distance from the truth in units of the spacing of floats there.
+fn ulps(got: f32, truth: f64) -> f64 {
+    let t = truth as f32;
+    if got.to_bits() == t.to_bits() || (got.is_nan() && t.is_nan()) {
+        return 0.0;
+    }
+    let exponent = (truth.abs().log2().floor() as i32).max(-126);
+    (f64::from(got) - truth).abs() / 2f64.powi(exponent - 23)
+}
+
+/// n numbers from a to b, evenly spread and off the grid.
+fn spread(n: usize, a: f64, b: f64) -> Vec<f32> {
+    (0..n).map(|i| (a + (b - a) * ((i as f64 + 0.3819) / n as f64)) as f32).collect()
+}
+
+/// Positive floats with evenly spread bit patterns, denormals included.
+fn positive_floats(n: u32) -> Vec<f32> {
+    let step = f32::INFINITY.to_bits() / n;
+    (0..n).map(|i| f32::from_bits(1 + i * step + (i * 7919) % step)).filter(|x| x.is_finite()).collect()
+}
+
+/// Largest error of f over the arguments, in ulp, with the argument where it is.
+#[track_caller]
+fn check(name: &str, args: &[f32], f: impl Fn(F32) -> F32, truth: impl Fn(f64) -> f64, bound: f64) {
+    let pairs: Vec<(f32, f32)> = args.iter().map(|x| (*x, 0.0)).collect();
+    check2(name, &pairs, |x, _| f(x), |x, _| truth(x), bound);
+}
+
+/// As [`check`], with two arguments.
+#[track_caller]
+fn check2(
+    name: &str,
+    args: &[(f32, f32)],
+    f: impl Fn(F32, F32) -> F32,
+    truth: impl Fn(f64, f64) -> f64,
+    bound: f64,
+) {
+    let error = |(got, (x, y)): (f32, &(f32, f32))| (ulps(got, truth((*x).into(), (*y).into())), *x, *y);
+    let errors = fold(args, f).into_iter().zip(args).map(error);
+    let (worst, x, y) = errors.fold((0.0, 0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+    println!("{name}: {worst:.3} ulp at ({x:e}, {y:e})");
+    assert!(worst <= bound, "{name}: {worst} ulp at ({x:e}, {y:e})");
+}
+
+#[test]
+fn sine_and_cosine() {
+    let xs = spread(20_000, -2000.0 * std::f64::consts::PI, 2000.0 * std::f64::consts::PI);
+    let near = spread(5_000, -7.0, 7.0);
+    let worst = |xs: &[f32], got: Vec<f32>, truth: &dyn Fn(f64) -> f64| {
+        xs.iter().zip(got).map(|(x, y)| (truth((*x).into()) - f64::from(y)).abs()).fold(0.0, f64::max)
+    };
+    for xs in [&xs, &near] {
+        let sin = worst(xs, fold1(xs, |x| sincos(x).0), &f64::sin);
+        let cos = worst(xs, fold1(xs, |x| sincos(x).1), &f64::cos);
+        println!("sincos: {sin:e} {cos:e}");
+        assert!(sin.max(cos) <= 7.3e-8, "{sin:e} {cos:e}");
+    }
+    let us = spread(20_000, -1.0, 1.0);
+    let tau = std::f64::consts::TAU;
+    let sin = worst(&us, fold1(&us, |x| sincos_turns(x).0), &|u| (tau * u).sin());
+    let cos = worst(&us, fold1(&us, |x| sincos_turns(x).1), &|u| (tau * u).cos());
+    println!("sincos_turns: {sin:e} {cos:e}");
+    assert!(sin.max(cos) <= 8.7e-8, "{sin:e} {cos:e}");
+    assert_eq!(fold1(&[0.0, 0.25, 0.5, 0.75], |u| sincos_turns(u).0), [0.0, 1.0, 0.0, -1.0]);
+    assert_eq!(fold1(&[0.0, 0.25, 0.5, 0.75], |u| sincos_turns(u).1), [1.0, 0.0, -1.0, 0.0]);
+    assert!(fold1(&[f32::INFINITY, f32::NAN], |x| sincos(x).0).iter().all(|y| y.is_nan()));
+}
+
+#[test]
+fn inverse_functions() {
+    let xs = spread(20_000, -1.0, 1.0);
+    check("asin", &xs, asin, f64::asin, 2.3);
+    check("acos", &xs, acos, f64::acos, 1.2);
+    assert_eq!(fold1(&[-1.0, 0.0, 1.0], acos), [PI, FRAC_PI_2, 0.0]);
+    assert!(fold1(&[1.000_000_1, -2.0, f32::NAN], acos).iter().all(|y| y.is_nan()));
+    let mantissa = spread(150, 1.0, 2.0);
+    let magnitudes = |i: usize| mantissa[i % 150] * 10f32.powi((i * 7 % 61) as i32 - 30);
+    let pairs: Vec<(f32, f32)> = (0..20_000)
+        .map(|i| (magnitudes(i) * [1.0, -1.0][i % 2], magnitudes(i / 150 + i * 13) * [1.0, -1.0][i / 2 % 2]))
+        .filter(|(y, x)| (y / x).abs() > f32::MIN_POSITIVE)
+        .collect();
+    check2("atan2", &pairs, atan2, f64::atan2, 2.7);
+    let circle: Vec<(f32, f32)> = spread(20_000, -3.2, 3.2).iter().map(|a| (a.sin(), a.cos())).collect();
+    check2("atan2 on the circle", &circle, atan2, f64::atan2, 2.7);
+    let inf = f32::INFINITY;
+    let special = [(0.0, 1.0), (-0.0, 1.0), (0.0, -1.0), (-0.0, -0.0), (1.0, 0.0), (inf, inf), (1.0, -inf), (-inf, 1.0)];
+    let expected = [0.0, -0.0, PI, -PI, FRAC_PI_2, FRAC_PI_4, PI, -FRAC_PI_2];
+    let got = fold(&special, atan2);
+    assert_eq!(got.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), expected.map(f32::to_bits), "{got:?}");
+}
+
+#[test]
+fn exponentials() {
+    check("exp", &spread(20_000, -87.0, 88.0), exp, f64::exp, 0.91);
+    check("exp near 0", &spread(5_000, -1.0, 1.0), exp, f64::exp, 0.91);
+    check("exp, denormal", &spread(2_000, -103.0, -87.4), exp, f64::exp, 1.0);
+    check("exp2", &spread(20_000, -126.0, 127.99), exp2, f64::exp2, 1.14);
+    let inf = f32::INFINITY;
+    assert_eq!(fold1(&[0.0, -0.0, inf, -inf, 89.0, -104.0], exp), [1.0, 1.0, inf, 0.0, inf, 0.0]);
+    assert_eq!(fold1(&[3.0, -126.0, -149.0, 128.0, -151.0], exp2), [8.0, f32::MIN_POSITIVE, 1e-45, inf, 0.0]);
+    assert!(fold1(&[f32::NAN], exp)[0].is_nan() && fold1(&[f32::NAN], exp2)[0].is_nan());
+}
+
+#[test]
+fn logarithms() {
+    let xs = positive_floats(20_000);
+    let near = spread(10_000, 0.5, 2.0);
+    for (where_, xs) in [("", &xs), (" near 1", &near)] {
+        check(&format!("log{where_}"), xs, log, f64::ln, 0.75);
+        check(&format!("log2{where_}"), xs, log2, f64::log2, 1.32);
+    }
+    let small: Vec<f32> = near.iter().flat_map(|x| [1e-9, 1e-4, 1e-2, 0.49, 1e6].map(|k| (x - 0.97) * k)).collect();
+    check("log1p", &small, log1p, f64::ln_1p, 2.2);
+    let inf = f32::INFINITY;
+    assert_eq!(fold1(&[0.0, -0.0, 1.0, inf], log), [-inf, -inf, 0.0, inf]);
+    assert_eq!(fold1(&[0.0, 1.0, 8.0, 1e-45, inf], log2), [-inf, 0.0, 3.0, -149.0, inf]);
+    assert_eq!(fold1(&[-1.0, 0.0, 1e-20, inf], log1p), [-inf, 0.0, 1e-20, inf]);
+    assert!(fold1(&[-1.0, f32::NAN], log).iter().all(|y| y.is_nan()) && fold1(&[-1.5], log1p)[0].is_nan());
+}
+
+#[test]
+fn powers() {
+    let bases = positive_floats(401);
+    let pairs: Vec<(f32, f32)> = bases
+        .iter()
+        .flat_map(|x| spread(50, -125.9, 125.9).into_iter().map(|p| (*x, (f64::from(p) / f64::from(*x).log2()) as f32)))
+        .filter(|(x, y)| y.abs() < 1e30 && (f64::from(*y) * f64::from(*x).log2()).abs() < 126.0)
+        .collect();
+    check2("pow", &pairs, pow, f64::powf, 1.7);
+    let near: Vec<(f32, f32)> =
+        spread(300, 0.9, 1.1).into_iter().flat_map(|x| spread(50, -800.0, 800.0).into_iter().map(move |y| (x, y))).collect();
+    check2("pow near 1", &near, pow, f64::powf, 1.7);
+    let (inf, nan) = (f32::INFINITY, f32::NAN);
+    let special = [(0.0, 0.0), (nan, 0.0), (0.0, 2.0), (0.0, -2.0), (inf, 2.0), (inf, -2.0), (2.0, inf), (2.0, -inf), (1.0, 1e38)];
+    assert_eq!(fold(&special, pow), [1.0, 1.0, 0.0, inf, inf, 0.0, inf, 0.0, 1.0]);
+    assert!(fold(&[(-1.0, 2.0), (nan, 1.0), (2.0, nan)], pow).iter().all(|y| y.is_nan()));
+}
