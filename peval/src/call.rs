@@ -302,7 +302,7 @@ impl Machine<'_> {
             Value::Tuple(id) => self.tuples.elems(id).iter().try_for_each(|x| self.flatten(*x, out))?,
             Value::Closure(c, _) => {
                 let f = self.world.program().cont(self.function);
-                let function = Place { name: f.name.to_string(), loc: f.loc };
+                let function = Place { name: f.name.clone(), loc: f.loc };
                 return Err(Error::ReturnsFunction { function, value: self.place(c) });
             }
             other => unreachable!("the types of results are data, not {other:?}"),

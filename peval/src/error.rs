@@ -1,6 +1,7 @@
 //! Why a program cannot be specialised. All are the program author's to fix, never a scene's.
 
 use std::fmt;
+use std::sync::Arc;
 
 use jerboa_ir::Loc;
 
@@ -8,7 +9,7 @@ use jerboa_ir::Loc;
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Place {
     /// The author's name.
-    pub name: String,
+    pub name: Arc<str>,
     /// The author's line.
     pub loc: Loc,
 }

@@ -10,11 +10,12 @@ mod lift;
 mod log;
 mod machine;
 mod report;
+mod tidy;
 mod value;
 
 use std::time::Instant;
 
-use jerboa_ir::{Lit, Param, Program, Role, Scope, Ty, TyKind};
+use jerboa_ir::{ContId, Lit, Param, Program, Role, Scope, Ty, TyKind};
 
 pub use budget::{Budget, Event};
 pub use error::{Error, Place};
@@ -99,12 +100,14 @@ pub fn specialize(
     let mut machine = Machine::new(&generic.program, &generic.scope, facts, options);
     begin(&mut machine, entry, args)?;
     machine.run()?;
-    let passes = vec![Pass { name: "evaluate", time: start.elapsed(), changes: machine.evaluations }];
+    let mut passes = vec![Pass { name: "evaluate", time: start.elapsed(), changes: machine.evaluations }];
     let mut report = machine.report();
-    report.passes = passes;
     let Machine { world, used, calls, .. } = machine;
-    let program = world.finish();
-    report.nodes_before = program.nodes.len();
+    report.nodes_before = world.program().nodes.len();
+    // The entry is the first continuation that is made.
+    let (program, tidied) = tidy::tidy(world, ContId(0), options.tidy);
+    passes.extend(tidied);
+    report.passes = passes;
     report.nodes_after = program.nodes.len();
     report.blocks = program.conts.len();
     Ok(Residual { program, log: Log { calls }, report, folds: used.finish() })

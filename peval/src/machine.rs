@@ -279,7 +279,7 @@ impl<'a> Machine<'a> {
     /// A generic continuation as an error names it.
     pub(crate) fn place(&self, c: ContId) -> Place {
         let c = self.p.cont(c);
-        Place { name: c.name.to_string(), loc: c.loc }
+        Place { name: c.name.clone(), loc: c.loc }
     }
 
     /// The calls that led here.

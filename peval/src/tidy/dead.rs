@@ -1,0 +1,101 @@
+//! Law: what nobody needs is not computed.
+//!
+//! A parameter is needed if a branch, an address, a store, a result or a needed parameter depends on it. A load whose
+//! value is not needed is not made. (Unreached continuations and nodes vanish when the draft is finished.)
+
+use jerboa_ir::*;
+use rustc_hash::FxHashMap;
+
+use super::draft::{Draft, Mention};
+use super::params::drop_params;
+
+pub(crate) fn run(draft: &mut Draft) -> u64 {
+    let order = draft.order();
+    let mentions = draft.mentions(&order);
+    let needed = needed_nodes(draft, &order, &mentions);
+    let loads = drop_loads(draft, &order, &needed);
+    let mut dropped: FxHashMap<ContId, Vec<usize>> = FxHashMap::default();
+    for c in &order {
+        let calls_only = mentions[c.index()].iter().all(|m| matches!(m, Mention::Call(_)));
+        if *c == draft.entry || !calls_only {
+            continue;
+        }
+        let count = draft.p().cont(*c).params.len();
+        let params: Vec<NodeId> = (0..count).map(|i| draft.world.param(*c, i)).collect();
+        let idle = |i: &usize| !is_needed(&needed, params[*i]) && draft.p().ty(params[*i]).is_data();
+        let gone: Vec<usize> = (0..count).filter(idle).collect();
+        if !gone.is_empty() {
+            dropped.insert(*c, gone);
+        }
+    }
+    drop_params(draft, &order, &dropped, Default::default());
+    loads + dropped.values().map(|gone| gone.len() as u64).sum::<u64>()
+}
+
+/// A parameter made while asking is in no body, so not needed.
+fn is_needed(needed: &[bool], node: NodeId) -> bool {
+    needed.get(node.index()).copied().unwrap_or(false)
+}
+
+/// Nodes that the effects and the control of the program depend on.
+fn needed_nodes(draft: &Draft, order: &[ContId], mentions: &[Vec<Mention>]) -> Vec<bool> {
+    let p = draft.p();
+    let mut needed = vec![false; p.nodes.len()];
+    let mut stack: Vec<NodeId> = Vec::new();
+    for c in order {
+        match draft.body(*c) {
+            // Arguments are needed when the parameter is; a return needs all.
+            Body::Jump { callee, args, .. } if draft.cont_of(*callee).is_some() => stack.extend(args.last()),
+            // The address of a load is needed when its value is.
+            Body::Load { next, .. } => stack.push(*next),
+            body => body.operands(&mut |x| stack.push(x)),
+        }
+        // The last argument is kept only if it is a return.
+        if let Body::Jump { callee, args, .. } = draft.body(*c)
+            && draft.cont_of(*callee).is_some()
+            && args.last().is_some_and(|x| p.ty(*x).is_data())
+        {
+            stack.pop();
+        }
+        while let Some(x) = stack.pop() {
+            if std::mem::replace(&mut needed[x.index()], true) {
+                continue;
+            }
+            match p.node(x) {
+                Node::Param { cont, index } => {
+                    for m in &mentions[cont.index()] {
+                        let (Mention::Call(from) | Mention::Arm(from) | Mention::Return(from)) = m;
+                        match (m, draft.body(*from)) {
+                            (Mention::Call(_), Body::Jump { args, .. }) => stack.push(args[*index as usize]),
+                            (Mention::Arm(_), Body::Load { mem, index, .. }) => {
+                                stack.push(*index);
+                                stack.extend(if let Mem::Local(local) = mem { Some(*local) } else { None });
+                            }
+                            _ => {}
+                        }
+                    }
+                }
+                _ => p.operands(x, &mut |y| stack.push(y)),
+            }
+        }
+    }
+    needed
+}
+
+/// Go on without loads of values that nobody needs. Their parameter gets a zero until it is dropped.
+fn drop_loads(draft: &mut Draft, order: &[ContId], needed: &[bool]) -> u64 {
+    let mut loads = 0;
+    for c in order {
+        let Body::Load { next, .. } = draft.body(*c) else { continue };
+        let next = *next;
+        let to = draft.cont_of(next).expect("a residual load goes on in a block");
+        let value = draft.world.param(to, 0);
+        if !is_needed(needed, value) {
+            let ty = draft.p().ty(value).as_scalar().expect("a load gives a scalar");
+            let zero = draft.world.lit(Lit::from_word(ty, 0));
+            draft.world.cont_mut(*c).body = Body::Jump { callee: next, args: vec![zero], mode: Mode::Filter };
+            loads += 1;
+        }
+    }
+    loads
+}

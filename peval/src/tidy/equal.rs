@@ -1,0 +1,194 @@
+//! Law: of equal pieces of program, one is enough.
+//!
+//! Two continuations are equal if their bodies are, with the parameters of one for those of the other, and whatever they
+//! lead to is the same or equal in the same sense. So the arms of a dispatch whose classes differ in nothing that matters
+//! become one arm, and functions specialised twice to the same end become one.
+//!
+//! Candidates are found by hashes that are refined along the edges (Hopcroft's idea), then compared exactly.
+
+use std::hash::{Hash, Hasher};
+
+use jerboa_ir::*;
+use rustc_hash::{FxHashMap, FxHashSet, FxHasher};
+
+use super::draft::{Draft, Subst};
+
+pub(crate) fn run(draft: &mut Draft) -> u64 {
+    let order = draft.order();
+    let hashes = refine(draft, &order);
+    let mut groups: FxHashMap<u64, Vec<ContId>> = FxHashMap::default();
+    // What a failed comparison costs is bounded, so that the pass stays linear.
+    let mut steps = 64 * draft.p().nodes.len();
+    let mut subst = Subst::default();
+    let scope = Scope::new(draft.p());
+    for c in &order {
+        let group = groups.entry(hashes[c.index()]).or_default();
+        match group.iter().find(|first| *c != draft.entry && Compare::new(draft, &scope, &mut steps).equal(*c, **first)) {
+            Some(first) => {
+                let (from, to) = (draft.world.cont_value(*c), draft.world.cont_value(*first));
+                subst.insert(from, to);
+            }
+            None => group.push(*c),
+        }
+    }
+    draft.apply(&order, &subst);
+    subst.len() as u64
+}
+
+fn hash_of(x: impl Hash) -> u64 {
+    let mut hasher = FxHasher::default();
+    x.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// A hash of each continuation that equal ones share.
+fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
+    let p = draft.p();
+    let mut nodes: Vec<u64> = Vec::with_capacity(p.nodes.len());
+    for node in &p.nodes {
+        let get = |x: &NodeId| nodes[x.index()];
+        nodes.push(match node {
+            Node::Lit(lit) => hash_of(lit),
+            Node::Param { index, .. } => hash_of(index),
+            Node::Prim { op, args } => hash_of((op, args[..op.arity()].iter().map(get).collect::<Vec<_>>())),
+            Node::Pack(lanes) => hash_of(lanes.iter().map(get).collect::<Vec<_>>()),
+            Node::Lane { vector, lane } => hash_of((get(vector), lane)),
+            Node::Read { column, index } => hash_of((column, get(index))),
+            _ => 0,
+        });
+    }
+    let mut hashes = vec![0; p.conts.len()];
+    for c in order {
+        let mut all = vec![p.cont(*c).params.len() as u64, kind(draft.body(*c))];
+        draft.body(*c).operands(&mut |x| all.push(nodes[x.index()]));
+        hashes[c.index()] = hash_of(all);
+    }
+    let count = |hashes: &[u64]| order.iter().map(|c| hashes[c.index()]).collect::<FxHashSet<_>>().len();
+    let mut classes = count(&hashes);
+    loop {
+        let mut next = hashes.clone();
+        for c in order {
+            let mut all = vec![hashes[c.index()]];
+            draft.body(*c).operands(&mut |x| all.extend(draft.cont_of(x).map(|to| hashes[to.index()])));
+            next[c.index()] = hash_of(all);
+        }
+        let refined = count(&next);
+        hashes = next;
+        if refined <= classes {
+            return hashes;
+        }
+        classes = refined;
+    }
+}
+
+/// What a body does, without its operands.
+fn kind(body: &Body) -> u64 {
+    let mem = |m: &Mem| match m {
+        Mem::Stream(column) => hash_of((0, column)),
+        Mem::Unchecked(column) => hash_of((1, column)),
+        Mem::Local(_) => 2,
+    };
+    match body {
+        Body::Switch { arms, .. } => hash_of((1, arms.iter().map(|(n, _)| *n).collect::<Vec<_>>())),
+        Body::Load { mem: m, .. } => hash_of((2, mem(m))),
+        Body::Store { mem: m, .. } => hash_of((3, mem(m))),
+        Body::Local { scalar, len, .. } => hash_of((4, scalar, len)),
+        body => hash_of(std::mem::discriminant(body)),
+    }
+}
+
+/// One exact comparison: assumes that pairs are equal until they are not.
+struct Compare<'a> {
+    draft: &'a Draft,
+    scope: &'a Scope,
+    steps: &'a mut usize,
+    pairs: FxHashMap<ContId, ContId>,
+    nodes: FxHashSet<(NodeId, NodeId)>,
+    /// What both lead to.
+    shared: Vec<ContId>,
+}
+
+impl<'a> Compare<'a> {
+    fn new(draft: &'a Draft, scope: &'a Scope, steps: &'a mut usize) -> Compare<'a> {
+        let (pairs, nodes) = (FxHashMap::default(), FxHashSet::default());
+        Compare { draft, scope, steps, pairs, nodes, shared: Vec::new() }
+    }
+
+    fn equal(mut self, a: ContId, b: ContId) -> bool {
+        let mut stack = vec![(a, b)];
+        self.pairs.insert(a, b);
+        while let Some((a, b)) = stack.pop() {
+            if !self.bodies(a, b, &mut stack) {
+                return false;
+            }
+        }
+        // What both lead to must not depend on the parameters of what goes.
+        !self.shared.iter().any(|c| self.scope.free[c.index()].iter().any(|x| self.is_paired(*x)))
+    }
+
+    fn is_paired(&self, param: NodeId) -> bool {
+        matches!(self.draft.p().node(param), Node::Param { cont, .. } if self.pairs.contains_key(cont))
+    }
+
+    fn bodies(&mut self, a: ContId, b: ContId, stack: &mut Vec<(ContId, ContId)>) -> bool {
+        let p = self.draft.p();
+        let (ca, cb) = (p.cont(a), p.cont(b));
+        let same_shape = ca.params.iter().map(|p| p.ty).eq(cb.params.iter().map(|p| p.ty))
+            && (ca.role == Role::Fun) == (cb.role == Role::Fun)
+            && kind(&ca.body) == kind(&cb.body);
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        ca.body.operands(&mut |x| left.push(x));
+        cb.body.operands(&mut |x| right.push(x));
+        same_shape && left.len() == right.len() && left.iter().zip(&right).all(|(x, y)| self.values(*x, *y, stack))
+    }
+
+    fn values(&mut self, x: NodeId, y: NodeId, stack: &mut Vec<(ContId, ContId)>) -> bool {
+        let p = self.draft.p();
+        let mut work = vec![(x, y)];
+        while let Some((x, y)) = work.pop() {
+            if !self.nodes.insert((x, y)) {
+                continue;
+            }
+            if *self.steps == 0 || p.ty(x) != p.ty(y) {
+                return false;
+            }
+            *self.steps -= 1;
+            let fits = match (p.node(x), p.node(y)) {
+                (Node::Param { cont: c, index: i }, Node::Param { cont: d, index: j }) => match self.pairs.get(c) {
+                    Some(pair) => pair == d && i == j,
+                    None => x == y,
+                },
+                (Node::Cont(c), Node::Cont(d)) if c == d => {
+                    self.shared.push(*c);
+                    true
+                }
+                (Node::Cont(c), Node::Cont(d)) => self.pair(*c, *d, stack),
+                (Node::Lit(a), Node::Lit(b)) => a == b,
+                (Node::Prim { op, .. }, Node::Prim { op: other, .. }) => op == other,
+                (Node::Lane { lane, .. }, Node::Lane { lane: other, .. }) => lane == other,
+                (Node::Read { column, .. }, Node::Read { column: other, .. }) => column == other,
+                (Node::Pack(_), Node::Pack(_)) => true,
+                _ => false,
+            };
+            if !fits {
+                return false;
+            }
+            let (mut left, mut right) = (Vec::new(), Vec::new());
+            p.operands(x, &mut |n| left.push(n));
+            p.operands(y, &mut |n| right.push(n));
+            work.extend(left.into_iter().zip(right));
+        }
+        true
+    }
+
+    fn pair(&mut self, c: ContId, d: ContId, stack: &mut Vec<(ContId, ContId)>) -> bool {
+        match self.pairs.get(&c) {
+            Some(known) => *known == d,
+            None => {
+                self.pairs.insert(c, d);
+                stack.push((c, d));
+                true
+            }
+        }
+    }
+}
