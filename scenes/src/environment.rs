@@ -24,15 +24,17 @@ pub struct Environment {
     pub rotation_deg: f32,
 }
 
-/// Decodes a Radiance .hdr (RGBE as mantissa · 2^(e − 136), without +0.5) or an OpenEXR image. Returns the environment at
+/// Decodes the image that `path` of `file` refers to (`path` empty: `file` itself): a Radiance .hdr (RGBE as mantissa · 2^(e − 136), without +0.5) or an OpenEXR image. Returns the environment at
 /// intensity 1 and how many texels were non-finite or negative and so set to zero.
 pub(crate) fn decode(
     file: &Path,
+    path: &str,
     bytes: &[u8],
     limits: &Limits,
 ) -> Result<(Environment, usize), Error> {
     let fault = |reason: String| Error::Environment {
         file: file.into(),
+        path: path.into(),
         reason,
     };
     let reader = image::ImageReader::new(Cursor::new(bytes))
@@ -46,7 +48,7 @@ pub(crate) fn decode(
     }
     let decoder = reader.into_decoder().map_err(|e| fault(e.to_string()))?;
     let (width, height) = decoder.dimensions();
-    crate::texture::check_size(file, "", [width, height], 12, limits)?;
+    crate::texture::check_size(file, path, [width, height], 12, limits)?;
     let decoded = image::DynamicImage::from_decoder(decoder).map_err(|e| fault(e.to_string()))?;
     let mut repaired = 0;
     let radiance = decoded

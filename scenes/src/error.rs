@@ -60,7 +60,7 @@ pub enum Error {
         /// How many there are, and of what: `3 vertices`.
         of: String,
     },
-    /// A URI is not one that a scene may use: only `data:` and files in the scene's own folder are.
+    /// A URI does not lead to data that a scene may use: only `data:` and files in the scene's own folder do.
     Uri {
         /// The file that contains the URI.
         file: PathBuf,
@@ -68,7 +68,7 @@ pub enum Error {
         path: String,
         /// The URI, shortened.
         uri: String,
-        /// Why it is refused.
+        /// What is wrong with it, as a predicate: `is an absolute path`.
         reason: String,
     },
     /// The file requires an extension that Jerboa does not know.
@@ -89,10 +89,12 @@ pub enum Error {
         /// The limit, with the name of its field.
         limit: String,
     },
-    /// An environment image cannot be decoded.
+    /// An environment image cannot be used.
     Environment {
-        /// The image file.
+        /// The image file, or the scene file that refers to it.
         file: PathBuf,
+        /// JSON path of the reference; empty when the user named the image.
+        path: String,
         /// What the decoder said.
         reason: String,
     },
@@ -160,7 +162,7 @@ impl Error {
                 uri,
                 reason,
             } => format!(
-                "{}: {path}: \"{uri}\" is refused: {reason}; use a data: URI or a file in the scene's own folder",
+                "{}: {path}: \"{uri}\" {reason}; use a data: URI or a file in the scene's own folder",
                 file.display()
             ),
             Error::Extension { file, name } => format!(
@@ -179,9 +181,10 @@ impl Error {
                     file.display()
                 )
             }
-            Error::Environment { file, reason } => {
+            Error::Environment { file, path, reason } => {
+                let colon = if path.is_empty() { "" } else { ": " };
                 format!(
-                    "{}: not a usable environment image: {reason}; give a lat-long .hdr or .exr",
+                    "{}: {path}{colon}not a usable environment image: {reason}; give a lat-long .hdr or .exr",
                     file.display()
                 )
             }

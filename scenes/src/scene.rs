@@ -57,6 +57,7 @@ impl Scene {
         let (file, limits) = (file.as_ref(), Limits::default());
         let bad = |what: &str, x: f32| Error::Environment {
             file: file.into(),
+            path: String::new(),
             reason: format!("{what} {x} is out of range"),
         };
         if !(intensity.is_finite() && intensity >= 0.0) {
@@ -66,7 +67,7 @@ impl Scene {
             return Err(bad("rotation", rotation_deg));
         }
         let (environment, repaired) =
-            environment::decode(file, &gltf::folder::read(file, &limits)?, &limits)?;
+            environment::decode(file, "", &gltf::folder::read(file, &limits)?, &limits)?;
         if repaired > 0 {
             let message = format!(
                 "{repaired} texels of {} are not finite or negative: 0 is used",

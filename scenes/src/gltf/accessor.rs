@@ -251,7 +251,7 @@ impl<'a> Loader<'a> {
         let bytes: Cow<'a, [u8]> = match (at.get("uri"), self.bin) {
             (Some(uri), _) => match resolve(&uri, self.limits)? {
                 Resolved::Bytes(bytes) => bytes.into(),
-                Resolved::Missing(error) => return Err(error),
+                Resolved::Missing(reason) => return Err(uri.uri_fault(reason)),
             },
             (None, Some(bin)) if index == 0 => bin.into(),
             (None, _) => return Err(at.fault("no uri, and no binary chunk in the file")),

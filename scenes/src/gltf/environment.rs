@@ -16,22 +16,13 @@ impl<'a> Loader<'a> {
         let uri = at.need("uri")?;
         let bytes = match resolve(&uri, self.limits)? {
             Resolved::Bytes(bytes) => bytes,
-            Resolved::Missing(error) => {
-                warn(
-                    &mut self.scene.warnings,
-                    &uri.path,
-                    format!("there is no environment ({error})"),
-                );
+            Resolved::Missing(reason) => {
+                let message = format!("\"{}\" {reason}: there is no environment", uri.shown());
+                warn(&mut self.scene.warnings, &uri.path, message);
                 return Ok(());
             }
         };
-        let name = if uri.text()?.starts_with("data:") {
-            "environment"
-        } else {
-            uri.text()?
-        };
-        let (mut environment, repaired) =
-            decode(&at.file.with_file_name(name), &bytes, self.limits)?;
+        let (mut environment, repaired) = decode(uri.file, &uri.path, &bytes, self.limits)?;
         if repaired > 0 {
             warn(
                 &mut self.scene.warnings,

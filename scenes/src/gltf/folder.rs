@@ -49,27 +49,20 @@ pub(crate) fn read(file: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
     }
 }
 
-/// What a URI resolves to. The two kinds of fault differ: a refused URI ends the load, a file that is only missing may
-/// be survivable (a texture).
+/// What an acceptable URI leads to. A missing file, told by a reason, need not end the load: a texture can be done without.
 pub(super) enum Resolved {
     Bytes(Vec<u8>),
-    Missing(Error),
+    Missing(String),
 }
 
 /// Resolves the URI at `at`: `data:` in base64, or a relative path whose target lies inside the folder of the scene file.
 pub(super) fn resolve(at: &Json, limits: &Limits) -> Result<Resolved, Error> {
     let uri = at.text()?;
-    let refuse = |reason: &str| {
-        Err(Error::Uri {
-            file: at.file.into(),
-            path: at.path.clone(),
-            uri: shorten(uri),
-            reason: reason.into(),
-        })
-    };
+    let refuse = |reason: &str| Err(at.uri_fault(reason.into()));
+    let missing = |reason: String| Ok(Resolved::Missing(format!("cannot be read: {reason}")));
     if let Some(data) = uri.strip_prefix("data:") {
         let Some((_, text)) = data.split_once(";base64,") else {
-            return refuse("data: without ;base64,");
+            return refuse("is not in base64");
         };
         if text.len() as u64 / 4 * 3 > limits.file_bytes {
             let what = format!("a data: URI of {} bytes", text.len());
@@ -77,47 +70,40 @@ pub(super) fn resolve(at: &Json, limits: &Limits) -> Result<Resolved, Error> {
         }
         return match BASE64.decode(text) {
             Ok(bytes) => Ok(Resolved::Bytes(bytes)),
-            Err(e) => refuse(&format!("not base64: {e}")),
+            Err(e) => refuse(&format!("is not base64 ({e})")),
         };
     }
     let Some(name) = percent_decode(uri) else {
-        return refuse("not UTF-8 once percent-decoded");
+        return refuse("is not UTF-8 once percent-decoded");
     };
     let scheme = name.split(['/', '\\']).next().unwrap_or_default();
     if scheme.contains(':') {
-        return refuse("it has a scheme or a drive");
+        return refuse("has a scheme or a drive");
     }
     if name.contains('\0') || name.is_empty() {
-        return refuse("not a file name");
+        return refuse("is not a file name");
     }
     if name.starts_with(['/', '\\']) {
-        return refuse("an absolute path");
+        return refuse("is an absolute path");
     }
     let beside = at
         .file
         .parent()
         .filter(|p| !p.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
-    let target = beside.join(&name);
-    let missing = |e: std::io::Error| Error::Read {
-        file: target.clone(),
-        reason: e.to_string(),
-    };
-    let folder = beside.canonicalize().map_err(missing)?;
-    match target.canonicalize() {
-        Ok(real) if !real.starts_with(&folder) => refuse("outside the scene's folder"),
-        Ok(real) => match read(&real, limits) {
-            Ok(bytes) => Ok(Resolved::Bytes(bytes)),
-            // The name as the author wrote it says more than the resolved one.
-            Err(Error::Read { reason, .. }) => Ok(Resolved::Missing(Error::Read {
-                file: target,
-                reason,
-            })),
-            Err(other) => Err(other),
-        },
+    let (folder, target) = match (beside.canonicalize(), beside.join(&name).canonicalize()) {
+        (Ok(folder), Ok(target)) => (folder, target),
         // Whether a file outside exists is none of the scene's business.
-        Err(_) if climbs_out(&name) => refuse("outside the scene's folder"),
-        Err(e) => Ok(Resolved::Missing(missing(e))),
+        _ if climbs_out(&name) => return refuse("is outside the scene's folder"),
+        (Err(e), _) | (_, Err(e)) => return missing(e.to_string()),
+    };
+    if !target.starts_with(&folder) {
+        return refuse("is outside the scene's folder");
+    }
+    match read(&target, limits) {
+        Ok(bytes) => Ok(Resolved::Bytes(bytes)),
+        Err(Error::Read { reason, .. }) => missing(reason),
+        Err(other) => Err(other),
     }
 }
 
@@ -152,13 +138,4 @@ fn percent_decode(uri: &str) -> Option<String> {
         }
     }
     String::from_utf8(decoded).ok()
-}
-
-/// The first characters of a URI, for messages: a data: URI may have millions.
-fn shorten(uri: &str) -> String {
-    const SHOWN: usize = 60;
-    match uri.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("{}…", &uri[..end]),
-        None => uri.to_string(),
-    }
 }

@@ -195,6 +195,26 @@ impl<'a> Json<'a> {
         }
     }
 
+    /// A complaint about the URI here; `reason` is a predicate.
+    pub fn uri_fault(&self, reason: String) -> Error {
+        Error::Uri {
+            file: self.file.into(),
+            path: self.path.clone(),
+            uri: self.shown(),
+            reason,
+        }
+    }
+
+    /// The first characters of this string, for messages: a data: URI may have millions.
+    pub fn shown(&self) -> String {
+        const SHOWN: usize = 60;
+        let text = self.value.as_str().unwrap_or_default();
+        match text.char_indices().nth(SHOWN) {
+            Some((end, _)) => format!("{}…", &text[..end]),
+            None => text.to_string(),
+        }
+    }
+
     fn fault_at(&self, path: String, reason: impl Into<String>) -> Error {
         Error::Value {
             file: self.file.into(),

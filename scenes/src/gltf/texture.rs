@@ -57,7 +57,7 @@ impl<'a> Loader<'a> {
                 Some(self.scene.images.len() - 1)
             }
             Err(reason) => {
-                let message = format!("the image cannot be had ({reason}): white is used instead");
+                let message = format!("{reason}: white is used instead");
                 warn(&mut self.scene.warnings, &at.path, message);
                 None
             }
@@ -71,7 +71,7 @@ impl<'a> Loader<'a> {
         if let Some(uri) = at.get("uri") {
             return match resolve(&uri, self.limits)? {
                 Resolved::Bytes(bytes) => self.decode(at, &bytes),
-                Resolved::Missing(error) => Ok(Err(error.to_string())),
+                Resolved::Missing(reason) => Ok(Err(format!("\"{}\" {reason}", uri.shown()))),
             };
         }
         match at.get("bufferView") {
@@ -79,7 +79,7 @@ impl<'a> Loader<'a> {
                 let (bytes, start, length, _) = self.view(&reference)?;
                 self.decode(at, &bytes[start..start + length])
             }
-            None => Ok(Err("it has neither uri nor bufferView".into())),
+            None => Ok(Err("the image has neither uri nor bufferView".into())),
         }
     }
 
@@ -90,7 +90,7 @@ impl<'a> Loader<'a> {
             .ok()
             .filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP))
         else {
-            return Ok(Err("neither PNG, JPEG nor WebP".into()));
+            return Ok(Err("the image is neither PNG, JPEG nor WebP".into()));
         };
         let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
         let mut limits = image::Limits::default();
@@ -99,7 +99,7 @@ impl<'a> Loader<'a> {
         reader.limits(limits);
         let decoder = match reader.into_decoder() {
             Ok(decoder) => decoder,
-            Err(e) => return Ok(Err(e.to_string())),
+            Err(e) => return Ok(Err(undecodable(e))),
         };
         let (width, height) = decoder.dimensions();
         check_size(at.file, &at.path, [width, height], 4, self.limits)?;
@@ -121,9 +121,13 @@ impl<'a> Loader<'a> {
                     rgba,
                 })
             }
-            Err(e) => Err(e.to_string()),
+            Err(e) => Err(undecodable(e)),
         })
     }
+}
+
+fn undecodable(error: image::ImageError) -> String {
+    format!("the image cannot be decoded ({error})")
 }
 
 fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Texture, Error> {

@@ -119,3 +119,30 @@ fn far_away_is_the_cornell_box_moved() {
         far.cameras[0].position()
     );
 }
+
+#[test]
+fn lights_shine_where_their_scenes_say() {
+    let light = |name: &str| Scene::load(format!("builtin:{name}")).unwrap().lights[0].direction();
+    assert!((light("spot") - DVec3::NEG_Y).length() < 1e-12);
+    assert!((light("sun").y + 60f64.to_radians().sin()).abs() < 1e-12);
+}
+
+#[test]
+fn the_sun_of_the_sky_is_where_the_mapping_puts_it() {
+    let sky = Scene::load("builtin:environment")
+        .unwrap()
+        .environment
+        .unwrap();
+    let texel = |d: DVec3| {
+        let u = 0.5 + d.x.atan2(-d.z) / std::f64::consts::TAU;
+        let v = d.y.acos() / std::f64::consts::PI;
+        let (x, y) = (u * f64::from(sky.width), v * f64::from(sky.height));
+        sky.radiance[y as usize * sky.width as usize + x as usize][0]
+    };
+    let sun = DVec3::new(0.5, 0.7, 0.4).normalize();
+    assert!(texel(sun) > 1000.0);
+    assert!(
+        texel(DVec3::new(-sun.x, sun.y, sun.z)) < 1.0
+            && texel(DVec3::new(sun.x, sun.y, -sun.z)) < 1.0
+    );
+}

@@ -82,7 +82,7 @@ fn every_error_says_who_where_and_what_to_do() {
         ),
         (
             load_changed(folder, |d| d["buffers"][0]["uri"] = json!("../s.bin")),
-            "DIR/s.gltf: buffers[0].uri: \"../s.bin\" is refused: outside the scene's folder; \
+            "DIR/s.gltf: buffers[0].uri: \"../s.bin\" is outside the scene's folder; \
              use a data: URI or a file in the scene's own folder",
         ),
         (
