@@ -2,9 +2,10 @@
 //!
 //! A vector is its lanes, each a scalar of its own. A residual function has Cranelift's `tail` convention, so that a tail
 //! call takes no stack, and the parameters
-//!
-//!     bindings, if it or a callee touches a buffer · depth, if it or a callee recurses · area, if the results need one ·
-//!     its own
+//! 1. the bindings, if it or a callee touches a buffer,
+//! 2. the depth that is left, if it or a callee recurses,
+//! 3. an area for the results, if they do not fit in registers,
+//! 4. its own.
 //!
 //! It returns a status, if it or a callee recurses, and its results: in registers if they fit, else in the caller's area.
 
@@ -42,7 +43,7 @@ impl Binding {
 pub enum Status {
     /// It ran to its end.
     Done,
-    /// Its recursion got deeper than [`crate::DEPTH_LIMIT`]. Buffers may be half written, results are not.
+    /// Its recursion got deeper than [`crate::KernelReport::depth`]. Buffers may be half written, results are not.
     Limit,
 }
 

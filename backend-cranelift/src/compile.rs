@@ -18,7 +18,7 @@ use crate::abi::{POINTER, Shape, shapes};
 use crate::function::{Callees, Unit, emit};
 use crate::memory::{self, Local};
 use crate::target::{Options, Target};
-use crate::{DEPTH_LIMIT, Error, STACK_LIMIT};
+use crate::{DEPTH_LIMIT, Error, MIN_DEPTH, STACK_LIMIT};
 
 /// Namespace of a reference to the kernel's function of that index.
 pub(crate) const FUNCTIONS: u32 = 0;
@@ -65,6 +65,8 @@ pub struct KernelReport {
     pub code_bytes: usize,
     /// Bytes of stack that its deepest chain of calls can take.
     pub stack_bytes: u64,
+    /// So many frames of recursive functions may exist at once.
+    pub depth: u32,
 }
 
 /// Makes the code of one kernel.
@@ -82,8 +84,8 @@ pub(crate) fn kernel(
     for index in 0..unit.cfg.functions.len() {
         functions.push(compiler.function(&unit, index)?);
     }
-    let stack_bytes = stack_bytes(&unit, &functions, name)?;
-    functions.push(compiler.entry(&unit.shapes[0])?);
+    let (depth, stack_bytes) = stack(&unit, &functions, name)?;
+    functions.push(compiler.entry(&unit.shapes[0], depth)?);
     let sum = |f: fn(&Machine) -> usize| functions.iter().map(f).sum();
     let report = KernelReport {
         name: name.to_owned(),
@@ -92,6 +94,7 @@ pub(crate) fn kernel(
         instructions: sum(|f| f.instructions),
         code_bytes: sum(|f| f.bytes.len()),
         stack_bytes,
+        depth,
     };
     let text = |f: fn(&Machine) -> &str| functions.iter().map(f).collect::<Vec<_>>().join("\n");
     let dumps = options.dumps.then(|| (text(|f| &f.clif), text(|f| &f.asm)));
@@ -123,32 +126,36 @@ impl<'p> Unit<'p> {
     }
 }
 
-/// What the deepest chain of calls takes: a function's frame and that of its hungriest callee; a component of recursive
-/// functions takes its largest frame as often as recursion is allowed.
-fn stack_bytes(unit: &Unit, functions: &[Machine], kernel: &str) -> Result<u64, Error> {
-    let mut order: Vec<usize> = (0..unit.cfg.functions.len()).collect();
-    order.sort_by_key(|f| unit.cfg.functions[*f].component);
-    // Of each component: its own frames, and all with those of its callees.
-    let mut needs: Vec<(u64, u64)> = vec![(0, 0); order.len()];
-    let mut largest = (0, 0);
-    for component in order.chunk_by(|a, b| unit.cfg.functions[*a].component == unit.cfg.functions[*b].component) {
-        let number = unit.cfg.functions[component[0]].component as usize;
-        for &i in component {
-            let f = &unit.cfg.functions[i];
-            let times = if f.recursive { u64::from(DEPTH_LIMIT) } else { 1 };
-            needs[number].0 = needs[number].0.max(functions[i].frame * times);
-            largest = largest.max((functions[i].frame * times, i));
-        }
-        let callees = component.iter().flat_map(|i| &unit.cfg.functions[*i].calls);
-        let others = callees.map(|c| unit.cfg.functions[c.callee as usize].component as usize).filter(|c| *c != number);
-        needs[number].1 = needs[number].0 + others.map(|c| needs[c].1).max().unwrap_or(0);
+/// How deep recursion may go, and how many bytes of stack the deepest chain of calls can then take.
+///
+/// Functions that do not recurse stand in a chain at most once each, so the hungriest chain of them is a longest path in
+/// an acyclic graph; what is left is divided by the largest frame of a recursive function.
+fn stack(unit: &Unit, functions: &[Machine], kernel: &str) -> Result<(u32, u64), Error> {
+    let all = &unit.cfg.functions;
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by_key(|f| all[*f].component);
+    let component = |f: u32| all[f as usize].component as usize;
+    let mut once = vec![0; all.len()];
+    for &i in &order {
+        let own = if all[i].recursive { 0 } else { functions[i].frame };
+        // Within a component that only tail calls hold together one frame replaces the other.
+        let others = all[i].calls.iter().map(|c| component(c.callee)).filter(|c| *c != component(i as u32));
+        let below = others.map(|c| once[c]).max().unwrap_or(0);
+        let here = &mut once[component(i as u32)];
+        *here = (*here).max(below + own);
     }
-    let bytes = needs[unit.cfg.functions[0].component as usize].1;
-    if bytes > STACK_LIMIT {
-        let function = unit.program.cont(unit.cfg.functions[largest.1].cont).name.to_string();
-        return Err(Error::Stack { kernel: kernel.to_owned(), function, bytes });
+    let frames = (0..all.len()).map(|i| (functions[i].frame, i));
+    let (frame, _) = frames.clone().filter(|(_, i)| all[*i].recursive).max().unwrap_or((1, 0));
+    let once = once[component(0)];
+    let depth = (STACK_LIMIT.saturating_sub(once) / frame).min(u64::from(DEPTH_LIMIT));
+    let recursive = all.iter().any(|f| f.recursive);
+    let bytes = once + if recursive { depth * frame } else { 0 };
+    if bytes > STACK_LIMIT || depth < u64::from(MIN_DEPTH) {
+        let largest = frames.max().map_or(0, |(_, i)| i);
+        let function = unit.program.cont(all[largest].cont).name.to_string();
+        return Err(Error::Stack { kernel: kernel.to_owned(), function, bytes: once + frame * u64::from(MIN_DEPTH) });
     }
-    Ok(bytes)
+    Ok((depth as u32, bytes))
 }
 
 /// Makes machine code of one function after the other.
@@ -179,7 +186,7 @@ impl Compiler<'_> {
     }
 
     /// The function that the host calls: `extern "C" fn(bindings, args, results) -> status`.
-    fn entry(&mut self, shape: &Shape) -> Result<Machine, Error> {
+    fn entry(&mut self, shape: &Shape, depth: u32) -> Result<Machine, Error> {
         let mut signature = Signature::new(self.target.isa.default_call_conv());
         signature.params = [POINTER; 3].map(AbiParam::new).to_vec();
         signature.returns = vec![AbiParam::new(types::I32)];
@@ -195,7 +202,7 @@ impl Compiler<'_> {
             values.push(bindings);
         }
         if shape.counted {
-            values.push(b.ins().iconst(types::I32, 1));
+            values.push(b.ins().iconst(types::I32, i64::from(depth)));
         }
         if shape.has_area() {
             values.push(results);

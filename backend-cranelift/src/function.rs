@@ -16,7 +16,7 @@ use rustc_hash::FxHashMap;
 
 use crate::abi::{POINTER, Shape, clif, lanes};
 use crate::memory::{self, Buffers, Local};
-use crate::{DEPTH_LIMIT, ops};
+use crate::ops;
 
 /// What is known of a kernel before its functions are emitted.
 pub(crate) struct Unit<'p> {
@@ -78,6 +78,7 @@ pub(crate) fn emit(
 #[derive(Default)]
 struct Hidden {
     bindings: Option<Value>,
+    /// So many frames of recursive functions may be made still, this function's own included.
     depth: Option<Value>,
     area: Option<Value>,
 }
@@ -139,7 +140,7 @@ impl Emitter<'_> {
         }
         self.b.switch_to_block(entry);
         if let (true, Some(depth)) = (self.f.recursive, self.entry.depth) {
-            let too_deep = self.b.ins().icmp_imm_u(IntCC::UnsignedGreaterThan, depth, i64::from(DEPTH_LIMIT));
+            let too_deep = self.b.ins().icmp_imm_u(IntCC::Equal, depth, 0);
             self.leave_if(too_deep);
         }
         if let Some(bindings) = self.entry.bindings {
@@ -320,9 +321,8 @@ impl Emitter<'_> {
             values.extend(self.entry.bindings);
         }
         if let (true, Some(depth)) = (shape.counted, self.entry.depth) {
-            // The depth counts the frames of recursive functions.
-            let deeper = self.unit.cfg.functions[index as usize].recursive && !(in_place && self.f.recursive);
-            values.push(if deeper { self.b.ins().iadd_imm_u(depth, 1) } else { depth });
+            let takes_one = self.f.recursive && !in_place;
+            values.push(if takes_one { self.b.ins().iadd_imm_s(depth, -1) } else { depth });
         }
         let mut area = None;
         if shape.has_area() && in_place {

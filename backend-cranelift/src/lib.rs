@@ -1,4 +1,67 @@
-//! Residual programs to machine code, in the process, with Cranelift.
+//! Residual programs to machine code, in this process, with Cranelift.
+//!
+//! What the evaluator leaves is first-order: functions, blocks, jumps with visible targets. That is nearly CLIF, the input
+//! of the code generator Cranelift, and so this crate is a translation, not a compiler:
+//!
+//! | residual | CLIF | where |
+//! |---|---|---|
+//! | entry | `extern "C"` function around a function | `compile.rs` |
+//! | function, call, tail call | function, `call`, `return_call` | `abi.rs`, `function.rs` |
+//! | continuation parameters | block parameters (SSA in functional clothes: Appel, *SSA is functional programming*, 1998) | `function.rs` |
+//! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `ops.rs` |
+//! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `memory.rs` |
+//! | vector | its lanes, each a scalar | `abi.rs` |
+//!
+//! **The code means what the interpreter means**, bit for bit, all NaN being one value. So minimum and maximum are a
+//! comparison and a selection, a multiply-add is fused where the program says so and nowhere else (a call of
+//! [`f32::mul_add`] where the processor lacks the instruction), denormals are kept.
+//!
+//! **Nothing traps.** Conversions saturate, divisors are replaced where the machine would fault, indices are clamped as the
+//! program's rules say. Recursion ends with [`Status::Limit`] at a depth for which the frames, measured after register
+//! allocation, fit into [`STACK_LIMIT`]. Only what the program reads *unchecked* is the caller's word; that is why
+//! [`Kernel::call`] is unsafe.
+//!
+//! **Each entry is a kernel of its own**, with the functions it needs, so kernels are compiled in parallel. Cranelift's own
+//! optimiser is off by default ([`Opt::None`]): the evaluator has folded and shared already. Code lives as long as its
+//! [`Code`].
+//!
+//! ```
+//! use jerboa_backend_cranelift::{Binding, Options, Status, compile};
+//!
+//! let residual = jerboa_ir::parse(
+//!     "jerboa-ir 1
+//! stream values by columns
+//!   x: f32 bulk
+//! entry double = double
+//! fun double(i: u32, return: fn(f32))
+//!   load values.x i -> got
+//!   rest got(x: f32)
+//!   y = add x x
+//!   store values.x i y -> stored
+//!   rest stored()
+//!   jump return(y)
+//! ",
+//! )?;
+//! let code = compile(&[&residual], &Options::default())?;
+//! let kernel = code.kernel("double").expect("it is an entry");
+//!
+//! let mut values = [1.0f32, 2.0, 4.0].map(f32::to_bits);
+//! let bindings = [Binding::new(&mut values, 3)];
+//! let mut result = [0];
+//! // Out of range: a load gives the last row, a store is dropped.
+//! for i in [1, 9] {
+//!     // SAFETY: the only buffer is bound, with one word in each of its three rows.
+//!     let status = unsafe { kernel.call(&bindings, &[i], &mut result) };
+//!     assert_eq!(status, Status::Done);
+//! }
+//! assert_eq!(result.map(f32::from_bits), [8.0]);
+//! assert_eq!(values.map(f32::from_bits), [1.0, 4.0, 4.0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # A new operation
+//! `ops.rs` has one `match` over [`jerboa_ir::Op`] without a wildcard; the compiler asks for the new row there. The test
+//! `every_operation_on_special_values` then compares it with [`jerboa_ir::Op::eval`].
 
 mod abi;
 mod code;
@@ -15,10 +78,14 @@ pub use compile::KernelReport;
 pub use error::Error;
 pub use target::{Opt, Options};
 
-/// Recursion of residual functions may be so deep; beyond, the kernel ends with [`Status::Limit`]. Tail calls do not
-/// count.
+/// So many frames of recursive functions may exist at once; beyond, the kernel ends with [`Status::Limit`]. Tail calls do
+/// not count. A kernel whose frames are so large that they would exceed [`STACK_LIMIT`] has a lower limit, see
+/// [`KernelReport::depth`].
 pub const DEPTH_LIMIT: u32 = 1000;
 
 /// A kernel's frames take at most so many bytes of stack, checked when it is compiled: half of what a thread of Rust's
 /// standard library has.
 pub const STACK_LIMIT: u64 = 1 << 20;
+
+/// A recursive kernel that could not even be this deep is an error.
+const MIN_DEPTH: u32 = 16;

@@ -53,8 +53,15 @@ impl Target {
             Opt::Speed => "speed",
         };
         let verify = if options.verify { "true" } else { "false" };
-        let wanted =
-            [("opt_level", opt_level), ("enable_verifier", verify), ("is_pic", "false"), ("use_colocated_libcalls", "false")];
+        let wanted = [
+            ("opt_level", opt_level),
+            ("enable_verifier", verify),
+            // The linker of `cranelift-jit` wants these two so.
+            ("is_pic", "false"),
+            ("use_colocated_libcalls", "false"),
+            // Cranelift's tail calls need frame pointers; profilers like them too.
+            ("preserve_frame_pointers", "true"),
+        ];
         for (name, value) in wanted {
             flags.set(name, value).map_err(|e| fault(&e))?;
         }

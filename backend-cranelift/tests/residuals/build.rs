@@ -1,6 +1,7 @@
 //! Short ways to write a residual.
 
 use jerboa_backend_cranelift::{Binding, Code, Opt, Options, Status, compile};
+use jerboa_ir::interp::{self, Memory};
 use jerboa_ir::*;
 
 /// A residual under construction.
@@ -40,16 +41,8 @@ impl Build {
         self.w.param(cont, index)
     }
 
-    pub fn lit(&mut self, lit: Lit) -> NodeId {
-        self.w.lit(lit)
-    }
-
     pub fn u32(&mut self, x: u32) -> NodeId {
         self.w.lit(Lit::U32(x))
-    }
-
-    pub fn f32(&mut self, x: f32) -> NodeId {
-        self.w.lit(Lit::f32(x))
     }
 
     pub fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
@@ -105,11 +98,6 @@ impl Build {
         self.body(from, Body::Load { mem, index, next });
     }
 
-    pub fn store(&mut self, from: ContId, mem: Mem, index: NodeId, value: NodeId, next: ContId) {
-        let next = self.value(next);
-        self.body(from, Body::Store { mem, index, value, next });
-    }
-
     pub fn local(&mut self, from: ContId, scalar: Scalar, len: u32, next: ContId) {
         let next = self.value(next);
         self.body(from, Body::Local { scalar, len, next });
@@ -142,4 +130,33 @@ pub fn run(code: &Code, name: &str, args: &[Lit], memory: &mut [(u32, Vec<u32>)]
         Status::Done => Ok(results),
         limit => Err(limit),
     }
+}
+
+/// Runs an entry of a residual in the interpreter and as machine code, unoptimised and optimised, and asserts that
+/// results and memory are the same. Gives the results; none if the machine code met the depth limit.
+pub fn agree(p: &Program, entry: &str, args: &[Lit], memory: &[Memory]) -> Option<Vec<Lit>> {
+    let mut expected_memory = memory.to_vec();
+    let cont = p.entry(entry).expect("it is an entry");
+    let expected = interp::run(p, cont, args, &mut expected_memory, interp::Limits::default());
+    let expected = expected.unwrap_or_else(|stop| panic!("{entry} {args:?}: {stop}"));
+    let mut limit = false;
+    for opt in [Opt::None, Opt::Speed] {
+        let code = code(p, opt);
+        let mut got_memory: Vec<(u32, Vec<u32>)> = memory.iter().map(|m| (m.rows, m.words.clone())).collect();
+        let Ok(words) = run(&code, entry, args, &mut got_memory) else {
+            limit = true;
+            continue;
+        };
+        let got: Vec<Lit> = words.iter().zip(&expected).map(|(w, e)| Lit::from_word(e.scalar(), *w)).collect();
+        assert_eq!(got, expected, "{entry} {args:?} at {opt:?}");
+        for (i, (got, expected)) in got_memory.iter().zip(&expected_memory).enumerate() {
+            assert_eq!(got.1, expected.words, "buffer {i} after {entry} {args:?} at {opt:?}");
+        }
+    }
+    (!limit).then_some(expected)
+}
+
+/// A residual from its text.
+pub fn residual(text: &str) -> Program {
+    parse(&format!("jerboa-ir 1\n{text}")).unwrap_or_else(|e| panic!("{e}"))
 }

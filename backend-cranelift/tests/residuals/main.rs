@@ -1,4 +1,7 @@
-//! Residuals built by hand, as machine code.
+//! Residuals as machine code, compared with the interpreter, bit for bit.
 
 mod build;
+mod control;
+mod memory;
 mod ops;
+mod scale;

@@ -1,0 +1,205 @@
+//! Tables, streams and local arrays, in range and out of it.
+
+use jerboa_backend_cranelift::{Error, Options, compile};
+use jerboa_ir::interp::Memory;
+use jerboa_ir::*;
+
+use crate::build::{Build, agree, residual};
+
+fn memory(rows: u32, words: impl IntoIterator<Item = u32>) -> Memory {
+    Memory { rows, words: words.into_iter().collect() }
+}
+
+#[test]
+fn reads_clamp_in_both_layouts() {
+    for layout in ["rows", "columns"] {
+        let p = residual(&format!(
+            "table t by {layout}
+  a: f32 bulk
+  b: u32 bulk
+  c: bool bulk
+entry f = f
+fun f(i: u32, return: fn(f32, u32, bool, f32))
+  a = read t.a i
+  b = read t.b i
+  c = read t.c i
+  first = read t.a 0u
+  jump return(a, b, c, first)
+"
+        ));
+        // A bool is any word but 0.
+        let words = (0..15).map(|i| if i % 2 == 0 { 0 } else { i * 0x0101_0100 });
+        for rows in [1, 5] {
+            for i in [0, 1, 3, 4, 5, u32::MAX] {
+                agree(&p, "f", &[Lit::U32(i)], &[memory(rows, words.clone().take(rows as usize * 3))]);
+            }
+        }
+    }
+}
+
+#[test]
+fn streams_clamp_loads_and_drop_stores() {
+    for layout in ["rows", "columns"] {
+        let p = residual(&format!(
+            "stream s by {layout}
+  a: f32 bulk
+  b: bool bulk
+  c: i32 bulk
+entry f = f
+fun f(i: u32, j: u32, x: f32, return: fn(f32, bool, i32, f32))
+  load s.a i -> got_a
+  rest got_a(a: f32)
+  load s.b i -> got_b
+  rest got_b(b: bool)
+  load s.c i -> got_c
+  rest got_c(c: i32)
+  store s.a j x -> stored_a
+  rest stored_a()
+  not_b = not b
+  store s.b j not_b -> stored_b
+  rest stored_b()
+  load s.a i -> again
+  rest again(a2: f32)
+  jump return(a, b, c, a2)
+"
+        ));
+        for rows in [0, 1, 4] {
+            let words = (0..rows * 3).map(|i: u32| i.wrapping_mul(0x0100_0001) & 0x3fff_ffff);
+            for (i, j) in [(0, 0), (1, 3), (3, 3), (4, 4), (u32::MAX, u32::MAX), (2, 1 << 30)] {
+                let args = [Lit::U32(i), Lit::U32(j), Lit::f32(1.5)];
+                let results = agree(&p, "f", &args, &[memory(rows, words.clone())]);
+                if rows == 0 {
+                    assert_eq!(results.expect("it ends")[0], Lit::f32(0.0));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn functions_reach_buffers_and_unchecked_loads() {
+    let p = residual(
+        "table t by rows
+  a: u32 bulk
+stream s by columns
+  x: u32 bulk
+entry f = f
+fun f(n: u32, return: fn())
+  jump again(0u)
+    loop again(i: u32)
+      more = lt i n
+      branch more step done
+        arm step()
+          jump copy(i, copied)
+        rest copied()
+          i1 = add i 1u
+          jump again(i1)
+        arm done()
+          jump return()
+fun copy(i: u32, return: fn())
+  load unchecked t.a i -> got
+  rest got(a: u32)
+  known = read t.a 1u
+  sum = add a known
+  store s.x i sum -> stored
+  rest stored()
+  jump return()
+",
+    );
+    agree(&p, "f", &[Lit::U32(3)], &[memory(3, [5, 6, 7]), memory(3, [0, 0, 0])]);
+}
+
+#[test]
+fn local_arrays_are_zero_each_time() {
+    for len in [1, 3, 64, 65, 1000] {
+        let p = residual(&format!(
+            "entry f = f
+fun f(n: u32, at: u32, return: fn(u32))
+  jump again(0u, 0u)
+    loop again(i: u32, sum: u32)
+      more = lt i n
+      branch more step done
+        arm step()
+          local u32 {len} -> made
+          rest made(array: local(u32 {len}))
+          load array at -> before
+          rest before(old: u32)
+          store array at 7u -> written
+          rest written()
+          store array 4000000000u 9u -> dropped
+          rest dropped()
+          load array 4000000000u -> after
+          rest after(last: u32)
+          next = add i 1u
+          s1 = add sum old
+          s2 = mul s1 10u
+          s3 = add s2 last
+          jump again(next, s3)
+        arm done()
+          jump return(sum)
+"
+        ));
+        for at in [0, len / 2, len - 1, len, u32::MAX] {
+            agree(&p, "f", &[Lit::U32(3), Lit::U32(at)], &[]);
+        }
+    }
+}
+
+#[test]
+fn local_arrays_of_all_types_stay_apart() {
+    let p = residual(
+        "entry f = f
+fun f(i: u32, return: fn(bool, f32, i32))
+  local bool 5 -> a
+  rest a(flags: local(bool 5))
+  local f32 5 -> b
+  rest b(floats: local(f32 5))
+  local i32 5 -> c
+  rest c(ints: local(i32 5))
+  store flags i true -> d
+  rest d()
+  store floats i 2.5 -> e
+  rest e()
+  store ints i -3i -> g
+  rest g()
+  load flags 2u -> h
+  rest h(x: bool)
+  load floats 2u -> k
+  rest k(y: f32)
+  load ints 2u -> l
+  rest l(z: i32)
+  jump return(x, y, z)
+",
+    );
+    for i in [1, 2, 5] {
+        agree(&p, "f", &[Lit::U32(i)], &[]);
+    }
+}
+
+#[test]
+fn arrays_beyond_the_stack_are_an_error() {
+    let big = |len: u32, recursive: bool| {
+        let mut b = Build::default();
+        let f = b.entry("hungry", &[Ty::u32()], &[Ty::u32()]);
+        let n = b.param(f, 0);
+        let made = b.block(&[Ty::local(Scalar::U32, len)]);
+        b.local(f, Scalar::U32, len, made);
+        let (array, got, back) = (b.param(made, 0), b.block(&[Ty::u32()]), b.block(&[Ty::u32()]));
+        b.load(made, Mem::Local(array), n, got);
+        let x = b.param(got, 0);
+        if recursive {
+            b.call(got, f, &[x], back);
+        } else {
+            b.jump(got, back, &[x]);
+        }
+        let y = b.param(back, 0);
+        b.ret(back, f, &[y]);
+        compile(&[&b.finish()], &Options::default()).map(drop)
+    };
+    assert_eq!((big(1000, false), big(1000, true)), (Ok(()), Ok(())));
+    assert!(matches!(big(20_000, true), Err(Error::Stack { function, .. }) if function == "hungry"));
+    for len in [1 << 19, 1 << 30, u32::MAX] {
+        let error = big(len, false).expect_err("it does not fit");
+        assert!(error.to_string().contains("hungry") && error.to_string().contains("local arrays"), "{error}");
+    }
+}
