@@ -16,6 +16,8 @@
 
 pub mod choices;
 pub mod forms;
+pub mod knowledge;
+pub mod machine;
 pub mod programs;
 pub mod refold;
 pub mod values;

@@ -3,10 +3,13 @@
 //! One suite, instantiated per engine. What is expected is [`Op::eval`], lane by lane; that the table itself says what it
 //! promises in words is tested by facts written by hand.
 
+use jerboa_backend_cranelift as cranelift;
 use jerboa_ir::interp::{Interp, Limits};
 use jerboa_ir::op::Rule;
 use jerboa_ir::*;
+use jerboa_peval::{Arg, Facts, Generic, specialize};
 use jerboa_tests::forms::{Form, forms};
+use jerboa_tests::machine::call;
 use jerboa_tests::values::specials;
 
 /// Something that computes operations.
@@ -116,6 +119,56 @@ impl Engine for Folder {
     }
 }
 
+/// What the evaluator leaves of a form.
+fn residual(generic: &Generic, args: &[Arg]) -> Program {
+    specialize(generic, "main", args, &Facts::none(), &Default::default()).expect("it specialises").program
+}
+
+/// The evaluator, which knows nothing: its residual is the operation.
+struct Unknown;
+
+impl Engine for Unknown {
+    fn results(&self, form: &Form, cases: &[Vec<Lit>]) -> Vec<Vec<Lit>> {
+        let generic = Generic::new(program(form));
+        interpret(&residual(&generic, &vec![Arg::Unknown; form.args.len()]), cases)
+    }
+}
+
+/// The evaluator, which knows all operands: its residual returns a literal.
+struct Known;
+
+impl Engine for Known {
+    fn results(&self, form: &Form, cases: &[Vec<Lit>]) -> Vec<Vec<Lit>> {
+        let unfolded = program_of(form, |w, args| {
+            let mut padded = [NodeId::NONE; 3];
+            padded[..args.len()].copy_from_slice(args);
+            w.node(Node::Prim { op: form.op, args: padded }, form.result, Loc::NONE)
+        });
+        let generic = Generic::new(unfolded);
+        let result = |case: &Vec<Lit>| {
+            let args: Vec<Arg> = case.iter().map(|lit| Arg::Known(*lit)).collect();
+            let program = residual(&generic, &args);
+            assert!(!program.nodes.iter().any(|n| matches!(n, Node::Prim { .. })), "{} is left", form.op.name());
+            interpret(&program, &[vec![]])[0].clone()
+        };
+        cases.iter().map(result).collect()
+    }
+}
+
+/// Machine code of the evaluator's residual.
+struct Machine(cranelift::Opt);
+
+impl Engine for Machine {
+    fn results(&self, form: &Form, cases: &[Vec<Lit>]) -> Vec<Vec<Lit>> {
+        let generic = Generic::new(program(form));
+        let program = residual(&generic, &vec![Arg::Unknown; form.args.len()]);
+        let options = cranelift::Options { opt: self.0, verify: true, dumps: false };
+        let code = cranelift::compile(&[&program], &options).expect("it compiles");
+        let (kernel, main) = (code.kernel("main").expect("main is compiled"), program.entry("main").expect("there is a main"));
+        cases.iter().map(|case| call(kernel, &program, main, case, &mut []).expect("it runs")).collect()
+    }
+}
+
 /// A test per engine and number of lanes.
 macro_rules! conforms {
     ($($name:ident: $engine:expr;)+) => { $(mod $name {
@@ -130,6 +183,15 @@ macro_rules! conforms {
 conforms! {
     interpreter: Interpreter;
     folder: Folder;
+    evaluator: Unknown;
+    machine_code: Machine(cranelift::Opt::None);
+    optimised_machine_code: Machine(cranelift::Opt::Speed);
+}
+
+/// Only scalar arguments can be known.
+#[test]
+fn evaluator_folds_on_scalars() {
+    suite(&Known, 1);
 }
 
 /// What construction does with operands that are known or the same, and with an operation on its own result, is true of
