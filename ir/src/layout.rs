@@ -41,12 +41,7 @@ impl Layout {
     /// Lay out a program.
     pub fn new(p: &Program) -> Layout {
         let scope = Scope::new(p);
-        let reach = if p.entries.is_empty() {
-            let tops = (0..p.conts.len()).filter(|c| scope.parent[*c].is_none());
-            Reach::new(p, tops.map(|c| ContId(c as u32)))
-        } else {
-            Reach::from_entries(p)
-        };
+        let reach = Reach::of(p);
         let n = p.conts.len();
         let mut layout = Layout {
             reach,

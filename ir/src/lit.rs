@@ -85,6 +85,32 @@ impl Lit {
     }
 }
 
+impl Lit {
+    /// The literal that a word says; reads what `Display` writes.
+    pub fn parse(text: &str) -> Option<Lit> {
+        match text {
+            "true" => return Some(Lit::Bool(true)),
+            "false" => return Some(Lit::Bool(false)),
+            "inf" => return Some(Lit::f32(f32::INFINITY)),
+            "-inf" => return Some(Lit::f32(f32::NEG_INFINITY)),
+            "nan" => return Some(Lit::f32(f32::NAN)),
+            // Rust would read `infinity` and `+1`, too.
+            _ if !text.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit()) => return None,
+            _ => {}
+        }
+        if let Some(digits) = text.strip_suffix('i') {
+            return digits.parse().ok().map(Lit::I32);
+        }
+        if let Some(digits) = text.strip_suffix('u') {
+            return digits.parse().ok().map(Lit::U32);
+        }
+        if !text.contains(['.', 'e']) {
+            return None;
+        }
+        text.parse().ok().map(Lit::f32)
+    }
+}
+
 impl fmt::Display for Lit {
     /// As the text of the IR writes it: `true`, `-3i`, `3u`, `1.5`, `-0.0`, `inf`, `nan`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -403,7 +403,7 @@ impl Parser {
     /// A literal or a name.
     fn leaf(&mut self, c: &mut Cursor, tree: Option<usize>) -> Result<NodeId, TextError> {
         let text = c.token()?;
-        if let Some(lit) = literal(text) {
+        if let Some(lit) = Lit::parse(text) {
             return Ok(self.world.lit(lit));
         }
         if !text.starts_with(|ch: char| is_word(ch) && !ch.is_ascii_digit()) {
@@ -490,27 +490,4 @@ impl Parser {
 /// The scalar of this name.
 fn scalar(word: &str) -> Option<Scalar> {
     Scalar::ALL.into_iter().find(|s| s.name() == word)
-}
-
-/// The literal that a token says, if it is one.
-fn literal(text: &str) -> Option<Lit> {
-    match text {
-        "true" => return Some(Lit::Bool(true)),
-        "false" => return Some(Lit::Bool(false)),
-        "inf" => return Some(Lit::f32(f32::INFINITY)),
-        "-inf" => return Some(Lit::f32(f32::NEG_INFINITY)),
-        "nan" => return Some(Lit::f32(f32::NAN)),
-        _ if !text.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit()) => return None,
-        _ => {}
-    }
-    if let Some(digits) = text.strip_suffix('i') {
-        return digits.parse().ok().map(Lit::I32);
-    }
-    if let Some(digits) = text.strip_suffix('u') {
-        return digits.parse().ok().map(Lit::U32);
-    }
-    if !text.contains(['.', 'e']) {
-        return None;
-    }
-    text.parse().ok().map(Lit::f32)
 }

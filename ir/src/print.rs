@@ -10,14 +10,14 @@
 //! fun pow(x: f32, n: i32, return: fn(f32)) @(known n)      role, name, parameters, filter
 //!   y1 = eq n 0i                                           a pure node that the body needs
 //!   branch y1 zero more                                    the one jump
-//!     arm zero() @                                         a continuation that uses parameters of the one above
-//!       jump return(1.0)
+//!   arm zero() @                                           a continuation that stands within the one above
+//!     jump return(1.0)
 //! ```
 //!
 //! A filter `true` is `@`, `false` is nothing. Names are the authors' hints, made unique within a function; lines without
 //! a hint are numbered in print order, per function. Nesting shows scope and means nothing by itself: the parser reads
 //! names only. A node stands in the innermost continuation around its users, whatever engine computes it where.
-//! `rest` and `join` stand at the height of the lines before them, so that what runs in sequence reads in sequence.
+//! The lines of a `rest` or `join` stand at its own height, so that what runs in sequence reads in sequence.
 
 use std::fmt::Write;
 
@@ -116,10 +116,7 @@ impl Printer<'_> {
                 self.line(inner, text);
             }
             self.line(inner, self.body(&self.p.cont(c).body, root));
-            for child in self.layout.children[c.index()].iter().rev() {
-                let flat = matches!(self.p.cont(*child).role, Role::Rest | Role::Join);
-                stack.push((*child, if flat { inner } else { inner + 1 }));
-            }
+            stack.extend(self.layout.children[c.index()].iter().rev().map(|child| (*child, inner)));
         }
     }
 

@@ -3,10 +3,10 @@
 use std::fmt;
 
 use crate::program::*;
+use crate::scope::Scope;
 use crate::ty::Scalar;
 
-/// What is reachable from the entries, each in the order of its first use (breadth first over continuations). A program
-/// without entries counts from all its continuations without free parameters.
+/// What is reachable, each in the order of its first use (breadth first over continuations).
 #[derive(Clone, Debug, Default)]
 pub struct Reach {
     /// Continuations.
@@ -16,7 +16,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Walk the program. `seeds` are the continuations to start from, in order.
+    /// Walk the program from these continuations, in order.
     pub fn new(p: &Program, seeds: impl IntoIterator<Item = ContId>) -> Reach {
         let mut reach = Reach::default();
         let (mut seen_cont, mut seen_node) = (vec![false; p.conts.len()], vec![false; p.nodes.len()]);
@@ -50,9 +50,14 @@ impl Reach {
         reach
     }
 
-    /// Walk the program from its entries.
-    pub fn from_entries(p: &Program) -> Reach {
-        Reach::new(p, p.entries.iter().map(|(_, cont)| *cont))
+    /// Walk the program from its entries, or where it has none from every continuation without free parameters.
+    pub fn of(p: &Program) -> Reach {
+        if !p.entries.is_empty() {
+            return Reach::new(p, p.entries.iter().map(|(_, cont)| *cont));
+        }
+        let scope = Scope::new(p);
+        let tops = (0..p.conts.len() as u32).map(ContId).filter(|c| scope.parent[c.index()].is_none());
+        Reach::new(p, tops)
     }
 }
 
@@ -109,9 +114,9 @@ impl Stats {
         stats
     }
 
-    /// Count what the program's entries reach.
+    /// Count what is printed.
     pub fn of(p: &Program) -> Stats {
-        Stats::new(p, &Reach::from_entries(p))
+        Stats::new(p, &Reach::of(p))
     }
 }
 

@@ -59,24 +59,24 @@ entry pow = pow
 fun pow(x: f32, n: i32, return: fn(f32)) @(and (known n) (lt n 64i))
   y1 = eq n 0i
   branch y1 base other
-    arm base() @  ; free: return
-      jump return(1.0)
-    arm other() @  ; free: x, n, return
-      y2 = rem n 2i
-      y3 = eq y2 0i
-      branch y3 even odd
-        arm even() @  ; free: x, n, return
-          y4 = div n 2i
-          jump pow(x, y4, half)
-          rest half(y: f32) @  ; free: return
-          y5 = mul y y
-          jump return(y5)
-        arm odd() @  ; free: x, n, return
-          y6 = sub n 1i
-          jump pow(x, y6, rest)
-          rest rest(y_2: f32) @  ; free: x, return
-          y7 = mul x y_2
-          jump return(y7)
+  arm base() @  ; free: return
+    jump return(1.0)
+  arm other() @  ; free: x, n, return
+    y2 = rem n 2i
+    y3 = eq y2 0i
+    branch y3 even odd
+    arm even() @  ; free: x, n, return
+      y4 = div n 2i
+      jump pow(x, y4, half)
+      rest half(y: f32) @  ; free: return
+      y5 = mul y y
+      jump return(y5)
+    arm odd() @  ; free: x, n, return
+      y6 = sub n 1i
+      jump pow(x, y6, rest)
+      rest rest(y_2: f32) @  ; free: x, return
+      y7 = mul x y_2
+      jump return(y7)
 ";
     assert_eq!(print(&pow().finish()), expected);
 }

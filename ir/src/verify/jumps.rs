@@ -1,0 +1,114 @@
+//! The rules of jumps: one function per built-in.
+
+use super::Verifier;
+use crate::program::*;
+use crate::ty::{Scalar, Ty, TyKind};
+
+impl Verifier<'_> {
+    /// The rules of one continuation's jump.
+    pub(super) fn body(&mut self, c: ContId) {
+        let p = self.p;
+        match &p.cont(c).body {
+            Body::Unset => self.fault_at("unset", c, "it has no jump".to_owned()),
+            Body::Jump { callee, args, .. } => self.jump(c, *callee, args),
+            Body::Branch { cond, then, other } => {
+                self.takes("branch", c, *cond, Ty::bool(), "the condition");
+                self.continues("branch", c, *then, &[]);
+                self.continues("branch", c, *other, &[]);
+            }
+            Body::Switch { index, arms, default } => {
+                self.takes("switch", c, *index, Ty::u32(), "the index");
+                if !arms.is_sorted_by(|(a, _), (b, _)| a < b) {
+                    self.fault_at("switch", c, "the arms' numbers do not ascend".to_owned());
+                }
+                for arm in arms.iter().map(|(_, arm)| arm).chain([default]) {
+                    self.continues("switch", c, *arm, &[]);
+                }
+            }
+            Body::Dispatch { row, arm } => match p.ty(*row).kind() {
+                TyKind::Row(_) => self.continues("dispatch", c, *arm, &[p.ty(*row)]),
+                _ => self.fault_at("dispatch", c, format!("{} is {}, not a row", self.describe(*row), p.ty(*row))),
+            },
+            Body::Load { mem, index, next } => {
+                self.takes("memory", c, *index, Ty::u32(), "the index");
+                if let Some(ty) = self.element(c, mem, true) {
+                    self.continues("memory", c, *next, &[ty]);
+                }
+            }
+            Body::Store { mem, index, value, next } => {
+                self.takes("memory", c, *index, Ty::u32(), "the index");
+                if let Some(ty) = self.element(c, mem, false) {
+                    self.takes("memory", c, *value, ty, "the value");
+                }
+                self.continues("memory", c, *next, &[]);
+            }
+            Body::Local { scalar, len, next } => self.local(c, *scalar, *len, *next),
+        }
+    }
+
+    fn jump(&mut self, c: ContId, callee: NodeId, args: &[NodeId]) {
+        let p = self.p;
+        let whom = self.describe(callee);
+        let Some(params) = p.ty(callee).params() else {
+            return self.fault_at("jump", c, format!("{whom} is {}, not a continuation", p.ty(callee)));
+        };
+        if params.len() != args.len() {
+            let what = format!("{whom} is {}, but the jump has {} arguments", p.ty(callee), args.len());
+            return self.fault_at("jump", c, what);
+        }
+        for (i, (arg, param)) in args.iter().zip(params).enumerate() {
+            self.takes("jump", c, *arg, *param, &format!("argument {} of {whom}", i + 1));
+        }
+        // A continuation that is neither there to see nor a function with a return of its own leaves the function.
+        let leaves = !matches!(p.node(callee), Node::Cont(_)) && !p.ty(callee).is_function();
+        if leaves && params.iter().any(|ty| matches!(ty.kind(), TyKind::Local(..))) {
+            self.fault_at("array", c, format!("{whom} would get a local array that ends with this function"));
+        }
+    }
+
+    fn local(&mut self, c: ContId, scalar: Scalar, len: u32, next: NodeId) {
+        if len == 0 {
+            self.fault_at("array", c, "a local array has at least 1 element".to_owned());
+        }
+        self.continues("array", c, next, &[Ty::local(scalar, len)]);
+    }
+
+    /// The type of a memory's elements, if it may be loaded or stored.
+    fn element(&mut self, c: ContId, mem: &Mem, load: bool) -> Option<Ty> {
+        let p = self.p;
+        let fault = match mem {
+            Mem::Local(array) => match p.ty(*array).kind() {
+                TyKind::Local(s, _) => return Some(Ty::scalar(*s)),
+                _ => format!("{} is {}, not a local array", self.describe(*array), p.ty(*array)),
+            },
+            Mem::Stream(column) | Mem::Unchecked(column) => {
+                let stream = p.buffer(column.buf).kind == BufKind::Stream;
+                let name = format!("`{}.{}`", p.buffer(column.buf).name, p.column(*column).name);
+                match mem {
+                    Mem::Stream(_) if stream => return Some(p.column(*column).ty.ty()),
+                    Mem::Unchecked(_) if !stream && load => return Some(p.column(*column).ty.ty()),
+                    Mem::Unchecked(_) if stream => format!("{name} is a stream's; only tables are loaded unchecked"),
+                    Mem::Stream(_) if load => format!("{name} is a table's: read it, or load it unchecked"),
+                    _ => format!("{name} is a table's; nothing stores there"),
+                }
+            }
+        };
+        self.fault_at("memory", c, fault);
+        None
+    }
+
+    /// A value has this type.
+    fn takes(&mut self, rule: &'static str, c: ContId, x: NodeId, ty: Ty, what: &str) {
+        if self.p.ty(x) != ty {
+            self.fault_at(rule, c, format!("{what}, {}, is {}, not {ty}", self.describe(x), self.p.ty(x)));
+        }
+    }
+
+    /// A continuation takes exactly these.
+    fn continues(&mut self, rule: &'static str, c: ContId, next: NodeId, params: &[Ty]) {
+        let wanted = Ty::func(params);
+        if self.p.ty(next) != wanted {
+            self.fault_at(rule, c, format!("{} is {}, not {wanted}", self.describe(next), self.p.ty(next)));
+        }
+    }
+}
