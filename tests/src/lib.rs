@@ -20,5 +20,6 @@ pub mod knowledge;
 pub mod machine;
 pub mod programs;
 pub mod refold;
+pub mod golden;
 pub mod values;
 pub mod sources;
