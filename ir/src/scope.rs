@@ -50,7 +50,7 @@ impl Scope {
     /// free parameters together is missing.
     fn forgive_unused(&mut self, p: &Program) {
         if !p.entries.is_empty() && !self.faults.is_empty() {
-            let reach = Reach::from_entries(p);
+            let reach = Reach::of(p);
             self.faults.retain(|(c, _)| reach.conts.contains(c));
         }
     }

@@ -3,7 +3,7 @@
 //! | rule | what must hold |
 //! |---|---|
 //! | `number` | numbers of nodes, continuations, buffers and columns exist; operands come before their users |
-//! | `buffer` | column names differ; references point to tables; a classed table begins with a `u32` column; streams are bulk |
+//! | `buffer` | references point to tables; a classed table begins with a `u32` column; streams are bulk |
 //! | `entry` | entry names differ; an entry's last parameter is its return |
 //! | `type` | a node has the type that its operands give it; rows in types are of tables |
 //! | `nan` | every NaN literal is the one NaN |
@@ -145,11 +145,7 @@ impl Verifier<'_> {
 
     fn buffers(&mut self) {
         for b in &self.p.buffers {
-            let mut names = FxHashSet::default();
             for c in &b.columns {
-                if !names.insert(&c.name) {
-                    self.fault("buffer", format!("`{}` has two columns `{}`", b.name, c.name));
-                }
                 if let ColTy::Ref(table) = c.ty
                     && !self.is_table(table)
                 {

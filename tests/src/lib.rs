@@ -16,10 +16,10 @@
 
 pub mod choices;
 pub mod forms;
+pub mod golden;
 pub mod knowledge;
 pub mod machine;
 pub mod programs;
 pub mod refold;
-pub mod golden;
 pub mod values;
 pub mod sources;
