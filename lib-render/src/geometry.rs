@@ -1,11 +1,19 @@
 //! Geometry: what is known of a surface at a hit (paper, section 4.4).
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{F32, Fun, U32};
+use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 
 use crate::core::vec::{Vec2, Vec3};
 use crate::ray::{Hit, Ray};
+use crate::schema::{Geometries, Primitives};
 use crate::shader::Shader;
+
+pub mod offset;
+#[cfg(test)]
+mod tests;
+pub mod triangle;
+
+use triangle::Triangle;
 
 /// A right-handed frame of unit vectors, world.
 #[derive(Clone, Copy)]
@@ -56,3 +64,24 @@ pub struct Geometry {
     pub shader: Shader,
 }
 impl_staged!(Geometry { surface_element, shader });
+
+/// Geometry of triangles: what the row says its vertices have is interpolated, the rest derived.
+pub fn make_geometry(row: Row<Geometries>, shader: Shader) -> Geometry {
+    let surface_element = Fun::lam(move |b: &mut Block, (_, hit): (Ray, Hit)| {
+        let triangle = Triangle::of(hit);
+        let (point, error) = triangle.point();
+        let face_normal = triangle.face_normal();
+        let uv = triangle.uv(b, row);
+        let normal = triangle.shading_normal(b, row, face_normal);
+        SurfaceElement {
+            point,
+            error,
+            face_normal,
+            local: triangle.frame(b, row, normal),
+            uv,
+            primitive: hit.primitive,
+            light: Row::<Primitives>::at(hit.primitive).get(Primitives::LIGHT),
+        }
+    });
+    Geometry { surface_element, shader }
+}

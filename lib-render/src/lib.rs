@@ -9,6 +9,8 @@ pub mod bsdf;
 pub mod material;
 pub mod light;
 pub mod geometry;
+pub mod traverse;
+pub mod camera;
 pub mod shader;
 pub mod tracer;
 pub mod host;

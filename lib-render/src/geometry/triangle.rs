@@ -1,0 +1,143 @@
+//! A hit triangle: its corners, and what is interpolated between them.
+
+use jerboa_ir::lang::{Block, Buf, Col, F32, Row, U32};
+
+use crate::core::onb::onb;
+use crate::core::vec::{Vec2, Vec3, vec2, vec3};
+use crate::geometry::Frame3;
+use crate::ray::Hit;
+use crate::schema::{Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
+
+/// Bound on the relative error of seven roundings in a row (Higham 2002, Lemma 3.1): 7 · 2^-24 / (1 − 7 · 2^-24).
+const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
+/// Below this length a sum of unit vectors is rounding noise: 2^-20, against errors of 2^-23.
+const NOISE: f32 = 1.0 / 1_048_576.0;
+
+/// A triangle and a point of it.
+#[derive(Clone, Copy)]
+pub struct Triangle {
+    /// Rows of the corners.
+    index: [U32; 3],
+    /// Barycentric weights of the point.
+    weights: [F32; 3],
+}
+
+impl Triangle {
+    /// The triangle of a hit, and the point hit.
+    pub fn of(hit: Hit) -> Triangle {
+        let row = Row::<Primitives>::at(hit.primitive);
+        let index = [Primitives::I0, Primitives::I1, Primitives::I2].map(|i| row.get(i));
+        Triangle { index, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
+    }
+
+    /// A vector attribute at each corner.
+    fn corners<T: Buf>(self, columns: [Col<T, F32>; 3]) -> [Vec3; 3] {
+        self.index.map(|i| {
+            let [x, y, z] = columns.map(|column| Row::<T>::at(i).get(column));
+            vec3(x, y, z)
+        })
+    }
+
+    /// The corners, world.
+    fn positions(self) -> [Vec3; 3] {
+        self.corners([Vertices::X, Vertices::Y, Vertices::Z])
+    }
+
+    /// The weighted sum of an attribute.
+    fn blend(self, at: [Vec3; 3]) -> Vec3 {
+        let [p, q, r] = std::array::from_fn(|i| at[i] * self.weights[i]);
+        p + q + r
+    }
+
+    /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| (pbrt, 4th ed., 6.8.5).
+    pub fn point(self) -> (Vec3, Vec3) {
+        let at = self.positions();
+        let [p, q, r] = std::array::from_fn(|i| (at[i] * self.weights[i]).abs());
+        (self.blend(at), (p + q + r) * F32::from(GAMMA_7))
+    }
+
+    /// The edges from the first corner, each divided by one length, so that products neither overflow nor vanish.
+    fn edges(self) -> [Vec3; 2] {
+        let [p0, p1, p2] = self.positions();
+        let edges = [p1 - p0, p2 - p0];
+        let scale = edges[0].abs().max_element().max(edges[1].abs().max_element());
+        edges.map(|e| e / scale)
+    }
+
+    /// Unit normal, on the side where the corners run counter-clockwise.
+    pub fn face_normal(self) -> Vec3 {
+        let [e1, e2] = self.edges();
+        e1.cross(e2).normalize_scaled()
+    }
+
+    /// Texture coordinates of both sets; 0 where there are none.
+    pub fn uv(self, b: &mut Block, row: Row<Geometries>) -> [Vec2; 2] {
+        let none = |_: &mut Block| vec2(0.0, 0.0);
+        [
+            b.if_(row.get(Geometries::HAS_UV0), |_| self.uv_of(Uvs::U0, Uvs::V0), none),
+            b.if_(row.get(Geometries::HAS_UV1), |_| self.uv_of(Uvs::U1, Uvs::V1), none),
+        ]
+    }
+
+    fn uv_of(self, u: Col<Uvs, F32>, v: Col<Uvs, F32>) -> Vec2 {
+        let [p, q, r] = self.uv_corners(u, v);
+        p * self.weights[0] + q * self.weights[1] + r * self.weights[2]
+    }
+
+    fn uv_corners(self, u: Col<Uvs, F32>, v: Col<Uvs, F32>) -> [Vec2; 3] {
+        self.index.map(|i| vec2(Row::at(i).get(u), Row::at(i).get(v)))
+    }
+
+    /// The interpolated normal; the face's where there is none or where it cancels.
+    pub fn shading_normal(self, b: &mut Block, row: Row<Geometries>, face: Vec3) -> Vec3 {
+        let interpolated = |_: &mut Block| {
+            let n = self.blend(self.corners([Normals::X, Normals::Y, Normals::Z]));
+            let length = n.length();
+            length.gt(NOISE).select(n / length, face)
+        };
+        b.if_(row.get(Geometries::HAS_NORMALS), interpolated, |_| face)
+    }
+
+    /// The shading frame around this unit normal: by the vertices' tangents, else by the first texture coordinates, else
+    /// by [`onb`].
+    pub fn frame(self, b: &mut Block, row: Row<Geometries>, normal: Vec3) -> Frame3 {
+        let given = |_: &mut Block| {
+            let tangent = self.blend(self.corners([Tangents::X, Tangents::Y, Tangents::Z]));
+            frame_along(normal, tangent, Row::at(self.index[0]).get(Tangents::SIGN))
+        };
+        let derived = |b: &mut Block| {
+            b.if_(row.get(Geometries::HAS_UV0), |_| self.frame_by_uv(normal), |_| frame_around(normal))
+        };
+        b.if_(row.get(Geometries::HAS_TANGENTS), given, derived)
+    }
+
+    /// The frame whose tangent is the direction of growing u. The bitangent is the direction in which v falls, since a
+    /// normal map's y points up (glTF 2.0, 3.9.3) and v points down.
+    fn frame_by_uv(self, normal: Vec3) -> Frame3 {
+        let [e1, e2] = self.edges();
+        let [p, q, r] = self.uv_corners(Uvs::U0, Uvs::V0);
+        let (d1, d2) = (q - p, r - p);
+        let det = d1.x * d2.y - d1.y * d2.x;
+        let mirrored = det.gt(0.0);
+        let tangent = e1 * d2.y - e2 * d1.y;
+        frame_along(normal, det.lt(0.0).select(-tangent, tangent), mirrored.select(F32::from(-1.0), 1.0.into()))
+    }
+}
+
+/// The frame whose tangent is the part of `tangent` across the normal, and whose bitangent is sign · normal × tangent.
+/// [`onb`] where there is no such part.
+fn frame_along(normal: Vec3, tangent: Vec3, sign: F32) -> Frame3 {
+    let along = tangent.normalize_scaled();
+    let across = along - normal * normal.dot(along);
+    let length = across.length();
+    let tangent = across / length;
+    let frame = Frame3 { tangent, bitangent: normal.cross(tangent) * sign, normal };
+    // Not where it is NaN: then the tangent was zero.
+    length.gt(NOISE).select(frame, frame_around(normal))
+}
+
+/// Any frame around a unit normal.
+fn frame_around(normal: Vec3) -> Frame3 {
+    let (tangent, bitangent) = onb(normal);
+    Frame3 { tangent, bitangent, normal }
+}
