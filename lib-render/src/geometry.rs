@@ -9,8 +9,6 @@ use crate::schema::{Geometries, Primitives};
 use crate::shader::Shader;
 
 pub mod offset;
-#[cfg(test)]
-mod tests;
 pub mod triangle;
 
 use triangle::Triangle;

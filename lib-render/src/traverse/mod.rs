@@ -13,8 +13,6 @@ use crate::schema::{Settings, Triangles};
 
 pub mod bvh;
 pub mod stack;
-#[cfg(test)]
-mod tests;
 pub mod triangle;
 
 use bvh::{Child, Slabs};

@@ -1,0 +1,235 @@
+//! Surfaces from hits, and rays that leave them.
+
+use jerboa_ir::lang::{Bool, F32, Fun, Row, U32, entry};
+use jerboa_lib_render::bsdf::{Bsdf, BsdfSample};
+use jerboa_lib_render::core::color::black;
+use jerboa_lib_render::core::rng::Rng;
+use jerboa_lib_render::core::vec::Vec3;
+use jerboa_lib_render::camera::make_perspective_camera;
+use jerboa_lib_render::geometry::make_geometry;
+use jerboa_lib_render::geometry::offset::{offset_origin, spawn_shadow_ray};
+use jerboa_lib_render::material::{EmissionValue, Material};
+use jerboa_lib_render::ray::{Hit, Ray};
+use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Tangents, Uvs, Vertices};
+use jerboa_lib_render::shader::Shader;
+
+use crate::bench::{Bench, Random};
+
+/// A shader that nobody asks.
+pub fn no_shader() -> Shader {
+    Shader::lam(|_, _| {
+        let bsdf = Bsdf {
+            eval: Fun::lam(|_, _| black()),
+            pdf: Fun::lam(|_, _| F32::from(0.0)),
+            sample: Fun::lam(|_, (_, wo): (Rng, Vec3)| BsdfSample {
+                wi: wo,
+                weight: black(),
+                pdf_dir: 0.0.into(),
+                is_specular: false.into(),
+                radiance_scale: 1.0.into(),
+            }),
+            is_specular: Bool::from(false),
+        };
+        let nothing = |_: &mut jerboa_ir::lang::Block, _| EmissionValue { intensity: black(), pdf_area: 0.0.into(), pdf_dir: 0.0.into() };
+        Material { bsdf, emission: Fun::lam(nothing), is_emissive: false.into(), is_unlit: false.into(), base: black(), absorption: black() }
+    })
+}
+
+/// The surface of primitive 0 of geometry 0 at weights (u, v).
+fn surface(b: &mut jerboa_ir::lang::Block, u: F32, v: F32) -> jerboa_lib_render::geometry::SurfaceElement {
+    let nowhere = Vec3 { x: 0.0.into(), y: 0.0.into(), z: 0.0.into() };
+    let ray = Ray { org: nowhere, dir: nowhere, tmax: 0.0.into(), skip: NONE.into(), skip1: NONE.into() };
+    let hit = Hit { primitive: 0.into(), t: 0.0.into(), u, v };
+    make_geometry(Row::<Geometries>::at(0u32), no_shader()).surface_element.call(b, (ray, hit))
+}
+
+/// Kernels: the surface; a moved point with its normal; a shadow ray to a point.
+fn bench() -> Bench {
+    let mut bench = Bench::new(|| {
+        entry("surface", Fun::lam(|b, (u, v): (F32, F32)| surface(b, u, v)));
+        entry("offset", Fun::lam(|b, (u, v, w): (F32, F32, Vec3)| {
+            let s = surface(b, u, v);
+            (s.point, s.error, s.face_normal, offset_origin(s, w))
+        }));
+        entry("shadow", Fun::lam(|b, (u, v, end): (F32, F32, Vec3)| {
+            let s = surface(b, u, v);
+            spawn_shadow_ray(s, end, NONE.into())
+        }));
+        let camera = make_perspective_camera();
+        entry("camera", Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng { key: 7.into(), dim: 0.into() }))));
+    });
+    bench.rows::<Vertices>(3);
+    bench.rows::<Normals>(3);
+    bench.rows::<Uvs>(3);
+    bench.rows::<Tangents>(3);
+    for (column, row) in [(Primitives::I1, 1), (Primitives::I2, 2), (Primitives::LIGHT, NONE)] {
+        bench.set(column, 0, row);
+    }
+    bench
+}
+
+fn place(bench: &mut Bench, corners: [[f32; 3]; 3]) {
+    for (row, p) in corners.into_iter().enumerate() {
+        bench.set(Vertices::X, row, p[0]);
+        bench.set(Vertices::Y, row, p[1]);
+        bench.set(Vertices::Z, row, p[2]);
+    }
+}
+
+fn floats<const N: usize>(words: &[u32]) -> [f32; N] {
+    std::array::from_fn(|i| f32::from_bits(words[i]))
+}
+
+fn vec(words: &[u32]) -> [f64; 3] {
+    floats::<3>(words).map(f64::from)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+const FLAT: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+
+#[test]
+fn a_flat_triangle_without_attributes_has_its_own_normal_and_some_frame() {
+    let mut bench = bench();
+    for scale in [1.0, 1e-18, 1e18] {
+        place(&mut bench, FLAT.map(|p| p.map(|x| x * scale)));
+        let s = bench.run_both("surface", &[0.25_f32, 0.5].map(f32::to_bits));
+        assert_eq!(floats::<3>(&s), [0.5 * scale, scale, 0.0]);
+        assert_eq!(floats::<3>(&s[6..]), [0.0, 0.0, 1.0], "face normal");
+        assert_eq!(floats::<3>(&s[15..]), [0.0, 0.0, 1.0], "shading normal");
+        assert_eq!(floats::<6>(&s[9..]), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0], "tangent and bitangent");
+        assert_eq!(s[22..24], [0, NONE]);
+    }
+}
+
+#[test]
+fn attributes_are_interpolated_and_frames_are_orthonormal() {
+    let mut random = Random::new(0x5eed_0003);
+    let mut bench = bench();
+    bench.set(Geometries::HAS_NORMALS, 0, true);
+    bench.set(Geometries::HAS_UV0, 0, true);
+    for round in 0..200 {
+        bench.set(Geometries::HAS_TANGENTS, 0, round % 2 == 0);
+        place(&mut bench, [random.point(), random.point(), random.point()]);
+        for row in 0..3 {
+            for (column, value) in [Normals::X, Normals::Y, Normals::Z].into_iter().zip(random.point()) {
+                bench.set(column, row, if round % 7 == 0 { 0.0 } else { value });
+            }
+            for (column, value) in [Tangents::X, Tangents::Y, Tangents::Z].into_iter().zip(random.point()) {
+                bench.set(column, row, if round % 8 == 0 { 0.0 } else { value });
+            }
+            bench.set(Tangents::SIGN, row, -1.0_f32);
+            for (column, value) in [Uvs::U0, Uvs::V0].into_iter().zip(random.point()) {
+                bench.set(column, row, if round % 9 == 0 { 0.0 } else { value });
+            }
+        }
+        let s = bench.run_both("surface", &[0.2_f32, 0.3].map(f32::to_bits));
+        let axes = [9, 12, 15].map(|at| vec(&s[at..]));
+        for (i, j) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)] {
+            let expected = if i == j { 1.0 } else { 0.0 };
+            assert!((dot(axes[i], axes[j]) - expected).abs() < 1e-5, "round {round}: {axes:?}");
+        }
+        if round % 7 == 0 {
+            assert_eq!(s[15..18], s[6..9], "no normal: the face's");
+        }
+    }
+}
+
+#[test]
+fn the_frame_follows_u_and_against_v() {
+    let mut bench = bench();
+    bench.set(Geometries::HAS_UV0, 0, true);
+    // u along −y, v along −x: a picture seen from the front, turned by a quarter.
+    for (uv, tangent, bitangent) in [
+        ([[0.0, 0.0], [0.0, -1.0], [-1.0, 0.0_f32]], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0_f32]),
+        ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]),
+    ] {
+        place(&mut bench, FLAT);
+        for (row, uv) in uv.into_iter().enumerate() {
+            bench.set(Uvs::U0, row, uv[0]);
+            bench.set(Uvs::V0, row, uv[1]);
+        }
+        let s = bench.run_both("surface", &[0.25_f32, 0.5].map(f32::to_bits));
+        assert_eq!((floats::<3>(&s[9..]), floats::<3>(&s[12..])), (tangent, bitangent));
+    }
+}
+
+/// Distance of a point from the plane of exact corners, in f64, on the side of the exact normal.
+fn height(p: [f64; 3], corners: [[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| p.map(f64::from));
+    let sub = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (u, v) = (sub(b, a), sub(c, a));
+    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    dot(sub(p, a), n) / dot(n, n).sqrt()
+}
+
+#[test]
+fn rays_start_on_the_side_they_go_to_and_close_to_the_surface() {
+    let mut random = Random::new(0x5eed_0004);
+    let mut bench = bench();
+    let mut longest = 0.0_f64;
+    for _ in 0..20_000 {
+        let (size, far) = (10.0_f32.powf(16.0 * random.uniform() as f32 - 8.0), random.point());
+        let away = if random.below(2) == 0 { 0.0 } else { 1000.0 * size };
+        let corners = [0; 3].map(|_| {
+            let p = random.point();
+            [0, 1, 2].map(|k| p[k] * size + far[k] * away)
+        });
+        place(&mut bench, corners);
+        let (u, v) = (random.uniform() as f32, random.uniform() as f32);
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let w = random.point();
+        let out = bench.run("offset", &[u, v, w[0], w[1], w[2]].map(f32::to_bits));
+        let (error, normal, org) = (vec(&out[3..]), vec(&out[6..]), vec(&out[9..]));
+        let side = dot(normal, w.map(f64::from)).signum();
+        assert!(side * height(org, corners) > 0.0, "{corners:?} at {u}, {v} towards {w:?}");
+        let moved = dot(error, normal.map(f64::abs));
+        longest = longest.max(height(org, corners).abs() / moved);
+    }
+    println!("at most {longest:.2} bounds from the plane");
+    assert!(longest < 4.0);
+}
+
+#[test]
+fn offsets_scale_with_the_scene_to_the_bit() {
+    let mut random = Random::new(0x5eed_0005);
+    let mut bench = bench();
+    for _ in 0..200 {
+        let corners = [random.point(), random.point(), random.point()];
+        let [w, end] = [random.point(), random.point()];
+        let mut outs = [-40, 0, 33].map(|k| {
+            let scale = 2.0_f32.powi(k);
+            place(&mut bench, corners.map(|p| p.map(|x| x * scale)));
+            let offset = bench.run("offset", &[0.3, 0.4, w[0], w[1], w[2]].map(f32::to_bits));
+            let end = end.map(|x| x * scale);
+            let shadow = bench.run("shadow", &[0.3, 0.4, end[0], end[1], end[2]].map(f32::to_bits));
+            let lengths: [f32; 9] = floats([&offset[..6], &offset[9..]].concat().as_slice());
+            let ray: [f32; 6] = floats(&shadow);
+            (lengths.map(|x| x / scale), ray.map(|x| x / scale), offset[6..9].to_vec(), shadow[6])
+        });
+        assert_eq!(outs[0], outs[1]);
+        assert_eq!(outs[1], outs[2]);
+        assert_eq!(std::mem::take(&mut outs[0].3), 1.0_f32.to_bits(), "a shadow ray ends at 1");
+    }
+}
+
+#[test]
+fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
+    let mut bench = bench();
+    for (column, value) in [(Frame::WIDTH, 4_u32), (Frame::HEIGHT, 2)] {
+        bench.set(column, 0, value);
+    }
+    for (column, value) in [(Frame::RIGHT_X, 2.0_f32), (Frame::UP_Y, 1.0), (Frame::FORWARD_Z, -1.0), (Frame::EYE_Y, 5.0)] {
+        bench.set(column, 0, value);
+    }
+    for (i, j) in (0..2).flat_map(|j| (0..4).map(move |i| (i, j))) {
+        let ray: [f32; 7] = floats(&bench.run_both("camera", &[i, j]));
+        assert_eq!((ray[0..3].to_vec(), ray[6]), (vec![0.0, 5.0, 0.0], f32::INFINITY));
+        let (x, y) = (ray[3] / -ray[5], ray[4] / -ray[5]);
+        assert!((i as f32 - 2.0..i as f32 - 1.0).contains(&x), "{x} in column {i}");
+        assert!((-(j as f32)..=1.0 - j as f32).contains(&y), "{y} in row {j}");
+        assert!((ray[3..6].iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-6);
+    }
+}
