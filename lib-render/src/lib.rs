@@ -5,13 +5,17 @@
 pub mod schema;
 pub mod core;
 pub mod ray;
+pub mod image;
+pub mod texture;
 pub mod bsdf;
 pub mod material;
 pub mod light;
 pub mod geometry;
 pub mod traverse;
 pub mod camera;
+pub mod normal_map;
 pub mod shader;
+pub mod cutout;
 pub mod tracer;
 pub mod host;
 pub mod cli;

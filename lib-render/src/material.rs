@@ -1,11 +1,15 @@
 //! Materials: scattering and emission of a surface (paper, section 4.2).
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Bool, F32, Fun};
+use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
 
 use crate::bsdf::Bsdf;
-use crate::core::color::Color;
-use crate::core::vec::Vec3;
+use crate::core::color::{Color, black, color};
+use crate::core::sampling::cosine_hemisphere_pdf;
+use crate::core::vec::{Vec2, Vec3};
+use crate::geometry::SurfaceElement;
+use crate::schema::{Lights, Materials, NONE, Textures};
+use crate::texture::look_up;
 
 /// What leaves a point of an emitter in a direction, and how likely the samplers find both.
 #[derive(Clone, Copy)]
@@ -39,3 +43,60 @@ pub struct Material {
     pub absorption: Color,
 }
 impl_staged!(Material { bsdf, emission, is_emissive, is_unlit, base, absorption });
+
+/// A colour that stands in three columns.
+fn read_color(row: Row<Materials>, columns: [Col<Materials, F32>; 3]) -> Color {
+    let [r, g, b] = columns.map(|c| row.get(c));
+    color(r, g, b)
+}
+
+/// A colour factor times its texture, if there is one.
+fn textured(
+    b: &mut Block,
+    row: Row<Materials>,
+    factor: [Col<Materials, F32>; 3],
+    (flag, texture): (Col<Materials, Bool>, Col<Materials, Row<Textures>>),
+    uv: [Vec2; 2],
+) -> Color {
+    let factor = read_color(row, factor);
+    b.if_(row.get(flag), |b| factor * look_up(b, row.get(texture), uv).color, |_| factor)
+}
+
+/// Base colour at these texture coordinates.
+pub fn base_color(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> Color {
+    let factor = [Materials::BASE_R, Materials::BASE_G, Materials::BASE_B];
+    textured(b, row, factor, (Materials::BASE_TEXTURED, Materials::BASE_TEXTURE), uv)
+}
+
+/// Emitted radiance at these texture coordinates, for the sides that emit.
+pub fn emitted_radiance(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> Color {
+    let factor = [Materials::EMISSION_R, Materials::EMISSION_G, Materials::EMISSION_B];
+    textured(b, row, factor, (Materials::EMISSION_TEXTURED, Materials::EMISSION_TEXTURE), uv)
+}
+
+/// Absorption coefficient behind the surface, 1/m.
+pub fn absorption(b: &mut Block, row: Row<Materials>) -> Color {
+    let columns = [Materials::ABSORPTION_R, Materials::ABSORPTION_G, Materials::ABSORPTION_B];
+    b.if_(row.get(Materials::HAS_ABSORPTION), |_| read_color(row, columns), |_| black())
+}
+
+/// Lambertian emission of a surface: from the front, and from the back where the material is double-sided.
+pub fn make_emission(row: Row<Materials>, surf: SurfaceElement) -> EmissionFn {
+    EmissionFn::lam(|b, dir| {
+        let cos = surf.face_cos(dir);
+        let both = row.get(Materials::DOUBLE_SIDED);
+        let radiance = emitted_radiance(b, row, surf.uv);
+        EmissionValue {
+            intensity: (both | cos.gt(0.0)).select(radiance, black()),
+            pdf_area: area_pdf(surf.light),
+            pdf_dir: both.select(cosine_hemisphere_pdf(cos.abs()) * 0.5, cosine_hemisphere_pdf(cos)),
+        }
+    })
+}
+
+/// Density with which light sampling finds a point of this light, per square metre; 0 for `NONE`.
+fn area_pdf(light: U32) -> F32 {
+    let is_light = light.ne(NONE);
+    let row = Row::<Lights>::at(is_light.select(light, 0u32.into()));
+    is_light.select(row.get(Lights::PROBABILITY) / row.get(Lights::AREA), 0.0.into())
+}

@@ -1,5 +1,8 @@
 //! Scattering (paper, section 4.2). One file per model.
 
+pub mod frame;
+pub mod diffuse;
+
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Bool, F32, Fun};
 

@@ -1,0 +1,46 @@
+//! Holes in surfaces: glTF's alpha modes, as part of intersection. A point of a surface that is not there is no hit,
+//! for a shadow ray either. Reads alpha only.
+
+use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
+
+use crate::core::rng::{Rng, hash, uniform};
+use crate::core::vec::Vec2;
+use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Materials};
+use crate::texture::look_up;
+
+/// Alpha of a material at these texture coordinates: factor times texture.
+pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
+    let factor = row.get(Materials::BASE_A);
+    b.if_(
+        row.get(Materials::BASE_TEXTURED),
+        |b| factor * look_up(b, row.get(Materials::BASE_TEXTURE), uv).alpha,
+        |_| factor,
+    )
+}
+
+/// Is there a surface at these texture coordinates?
+///
+/// Mask: where alpha ≥ the cutoff. Blend: with probability alpha, by a number that depends on pixel and sample (the key of
+/// `rng`), path vertex and primitive alone, so that every traversal order sees the same holes (Law 9).
+pub fn is_there(
+    b: &mut Block,
+    row: Row<Materials>,
+    uv: [Vec2; 2],
+    rng: Rng,
+    vertex: U32,
+    primitive: U32,
+) -> Bool {
+    let mode = row.get(Materials::ALPHA_MODE);
+    b.if_(
+        mode.eq(ALPHA_OPAQUE),
+        |_| Bool::from(true),
+        |b| {
+            let alpha = alpha(b, row, uv);
+            b.if_(
+                mode.eq(ALPHA_MASK),
+                |_| alpha.ge(row.get(Materials::ALPHA_CUTOFF)),
+                |_| alpha.gt(uniform(hash(hash(rng.key ^ hash(vertex)) ^ primitive))),
+            )
+        },
+    )
+}
