@@ -49,19 +49,9 @@ impl Camera {
     /// A camera at `eye` that looks at `target`, +Y up (+Z where it looks along Y).
     pub fn look_at(name: &str, eye: DVec3, target: DVec3, yfov: f64) -> Self {
         let back = (eye - target).normalize();
-        let up = if back.cross(DVec3::Y).length() > 1e-6 {
-            DVec3::Y
-        } else {
-            DVec3::Z
-        };
+        let up = if back.cross(DVec3::Y).length() > 1e-6 { DVec3::Y } else { DVec3::Z };
         let right = up.cross(back).normalize();
         let to_world = DAffine3::from_cols(right, back.cross(right), back, eye);
-        Camera {
-            name: name.into(),
-            to_world,
-            yfov,
-            aspect: None,
-            film: None,
-        }
+        Camera { name: name.into(), to_world, yfov, aspect: None, film: None }
     }
 }

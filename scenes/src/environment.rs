@@ -26,24 +26,10 @@ pub struct Environment {
 
 /// Decodes the image that `path` of `file` refers to (`path` empty: `file` itself): a Radiance .hdr (RGBE as mantissa · 2^(e − 136), without +0.5) or an OpenEXR image. Returns the environment at
 /// intensity 1 and how many texels were non-finite or negative and so set to zero.
-pub(crate) fn decode(
-    file: &Path,
-    path: &str,
-    bytes: &[u8],
-    limits: &Limits,
-) -> Result<(Environment, usize), Error> {
-    let fault = |reason: String| Error::Environment {
-        file: file.into(),
-        path: path.into(),
-        reason,
-    };
-    let reader = image::ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|e| fault(e.to_string()))?;
-    if !matches!(
-        reader.format(),
-        Some(ImageFormat::Hdr | ImageFormat::OpenExr)
-    ) {
+pub(crate) fn decode(file: &Path, path: &str, bytes: &[u8], limits: &Limits) -> Result<(Environment, usize), Error> {
+    let fault = |reason: String| Error::Environment { file: file.into(), path: path.into(), reason };
+    let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fault(e.to_string()))?;
+    if !matches!(reader.format(), Some(ImageFormat::Hdr | ImageFormat::OpenExr)) {
         return Err(fault("neither Radiance HDR nor OpenEXR".into()));
     }
     let decoder = reader.into_decoder().map_err(|e| fault(e.to_string()))?;
@@ -62,14 +48,5 @@ pub(crate) fn decode(
             p.0.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 })
         })
         .collect();
-    Ok((
-        Environment {
-            width,
-            height,
-            radiance,
-            intensity: 1.0,
-            rotation_deg: 0.0,
-        },
-        repaired,
-    ))
+    Ok((Environment { width, height, radiance, intensity: 1.0, rotation_deg: 0.0 }, repaired))
 }

@@ -104,64 +104,34 @@ impl Error {
     fn text(&self) -> String {
         match self {
             Error::Read { file, reason } => {
-                format!(
-                    "{}: cannot be read: {reason}; check the path and its permissions",
-                    file.display()
-                )
+                format!("{}: cannot be read: {reason}; check the path and its permissions", file.display())
             }
             Error::Builtin { name } => {
                 let known: Vec<_> = crate::builtin::list().iter().map(|b| b.name).collect();
-                format!(
-                    "builtin:{name}: no such built-in scene; there are {}",
-                    known.join(", ")
-                )
+                format!("builtin:{name}: no such built-in scene; there are {}", known.join(", "))
             }
             Error::Camera { name, known } if known.is_empty() => {
-                format!(
-                    "camera \"{name}\": the scene has no camera; leave the name out to frame the whole scene"
-                )
+                format!("camera \"{name}\": the scene has no camera; leave the name out to frame the whole scene")
             }
             Error::Camera { name, known } => {
-                format!(
-                    "camera \"{name}\": the scene has no camera of that name; there are {}",
-                    known.join(", ")
-                )
+                format!("camera \"{name}\": the scene has no camera of that name; there are {}", known.join(", "))
             }
             Error::Container { file, reason } => {
-                format!(
-                    "{}: not a glTF 2.0 file: {reason}; export it again as .glb or .gltf",
-                    file.display()
-                )
+                format!("{}: not a glTF 2.0 file: {reason}; export it again as .glb or .gltf", file.display())
             }
             Error::Json { file, reason } => {
-                format!(
-                    "{}: the JSON does not parse: {reason}; export it again",
-                    file.display()
-                )
+                format!("{}: the JSON does not parse: {reason}; export it again", file.display())
             }
             Error::Value { file, path, reason } => {
-                format!(
-                    "{}: {path}: {reason}; correct the property or export again",
-                    file.display()
-                )
+                format!("{}: {path}: {reason}; correct the property or export again", file.display())
             }
-            Error::Index {
-                file,
-                path,
-                index,
-                of,
-            } => {
+            Error::Index { file, path, index, of } => {
                 format!(
                     "{}: {path}: index {index}, but there are {of}; the exporter wrote a broken reference",
                     file.display()
                 )
             }
-            Error::Uri {
-                file,
-                path,
-                uri,
-                reason,
-            } => format!(
+            Error::Uri { file, path, uri, reason } => format!(
                 "{}: {path}: \"{uri}\" {reason}; use a data: URI or a file in the scene's own folder",
                 file.display()
             ),
@@ -169,12 +139,7 @@ impl Error {
                 "{}: extensionsRequired: {name} is required but unknown to Jerboa; export without it",
                 file.display()
             ),
-            Error::Limit {
-                file,
-                path,
-                what,
-                limit,
-            } => {
+            Error::Limit { file, path, what, limit } => {
                 let colon = if path.is_empty() { "" } else { ": " };
                 format!(
                     "{}: {path}{colon}{what} exceeds the limit of {limit}; make it smaller or raise the limit",
@@ -213,16 +178,8 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = if self.path.is_empty() {
-            String::new()
-        } else {
-            format!("{}: ", self.path)
-        };
-        let times = if self.count > 1 {
-            format!(" ({} times)", self.count)
-        } else {
-            String::new()
-        };
+        let place = if self.path.is_empty() { String::new() } else { format!("{}: ", self.path) };
+        let times = if self.count > 1 { format!(" ({} times)", self.count) } else { String::new() };
         f.write_str(&one_line(&format!("{place}{}{times}", self.message)))
     }
 }
@@ -232,15 +189,15 @@ fn one_line(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect()
 }
 
-/// Adds a warning: the same message again only raises its count.
+/// Adds a warning: the same message again only raises its count, and so does any message after the first hundred.
 pub(crate) fn warn(warnings: &mut Vec<Warning>, path: &str, message: impl Into<String>) {
-    let message = message.into();
+    const LISTED: usize = 100;
+    let mut message = message.into();
+    if warnings.len() >= LISTED && !warnings[..LISTED].iter().any(|w| w.message == message) {
+        message = "further warnings are only counted".into();
+    }
     match warnings.iter_mut().find(|w| w.message == message) {
         Some(same) => same.count += 1,
-        None => warnings.push(Warning {
-            path: path.to_string(),
-            message,
-            count: 1,
-        }),
+        None => warnings.push(Warning { path: path.to_string(), message, count: 1 }),
     }
 }

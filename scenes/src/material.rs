@@ -144,33 +144,18 @@ impl Material {
     /// Exactly Lambert: dielectric, rough, without a specular layer.
     pub fn diffuse(name: &str, rgb: [f32; 3]) -> Self {
         let [r, g, b] = rgb;
-        Material {
-            name: name.into(),
-            base_color: [r, g, b, 1.0],
-            metallic: 0.0,
-            specular: 0.0,
-            ..Material::default()
-        }
+        Material { name: name.into(), base_color: [r, g, b, 1.0], metallic: 0.0, specular: 0.0, ..Material::default() }
     }
 
     /// Metal of a given F0 and perceptual roughness; roughness 0 is a mirror.
     pub fn metal(name: &str, rgb: [f32; 3], roughness: f32) -> Self {
         let [r, g, b] = rgb;
-        Material {
-            name: name.into(),
-            base_color: [r, g, b, 1.0],
-            roughness,
-            ..Material::default()
-        }
+        Material { name: name.into(), base_color: [r, g, b, 1.0], roughness, ..Material::default() }
     }
 
     /// Diffuse under glTF's dielectric specular layer.
     pub fn plastic(name: &str, rgb: [f32; 3], roughness: f32) -> Self {
-        Material {
-            roughness,
-            specular: 1.0,
-            ..Material::diffuse(name, rgb)
-        }
+        Material { roughness, specular: 1.0, ..Material::diffuse(name, rgb) }
     }
 
     /// Clear, smooth, closed dielectric.
@@ -193,10 +178,7 @@ impl Material {
 
     /// Black surface that emits `radiance` from its front.
     pub fn emitter(name: &str, radiance: [f32; 3]) -> Self {
-        Material {
-            emissive: radiance,
-            ..Material::diffuse(name, [0.0; 3])
-        }
+        Material { emissive: radiance, ..Material::diffuse(name, [0.0; 3]) }
     }
 
     /// Whether the surface is a light. A texture may still make it black everywhere.

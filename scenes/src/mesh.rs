@@ -42,8 +42,6 @@ impl Mesh {
     /// The corners of the box around all vertices, local frame; the origin when there are none.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         let corners = self.positions.iter().map(|&p| (p, p));
-        corners
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-            .unwrap_or_default()
+        corners.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
     }
 }

@@ -48,12 +48,7 @@ impl Scene {
 
     /// Replaces the environment by a lat-long .hdr or .exr image; texels that are not finite or negative become 0, with a
     /// warning. `intensity` multiplies it, `rotation_deg` turns it about +Y.
-    pub fn set_environment(
-        &mut self,
-        file: impl AsRef<Path>,
-        intensity: f32,
-        rotation_deg: f32,
-    ) -> Result<(), Error> {
+    pub fn set_environment(&mut self, file: impl AsRef<Path>, intensity: f32, rotation_deg: f32) -> Result<(), Error> {
         let (file, limits) = (file.as_ref(), Limits::default());
         let bad = |what: &str, x: f32| Error::Environment {
             file: file.into(),
@@ -66,20 +61,12 @@ impl Scene {
         if !rotation_deg.is_finite() {
             return Err(bad("rotation", rotation_deg));
         }
-        let (environment, repaired) =
-            environment::decode(file, "", &gltf::folder::read(file, &limits)?, &limits)?;
+        let (environment, repaired) = environment::decode(file, "", &gltf::folder::read(file, &limits)?, &limits)?;
         if repaired > 0 {
-            let message = format!(
-                "{repaired} texels of {} are not finite or negative: 0 is used",
-                file.display()
-            );
+            let message = format!("{repaired} texels of {} are not finite or negative: 0 is used", file.display());
             warn(&mut self.warnings, "", message);
         }
-        self.environment = Some(Environment {
-            intensity,
-            rotation_deg,
-            ..environment
-        });
+        self.environment = Some(Environment { intensity, rotation_deg, ..environment });
         Ok(())
     }
 
@@ -87,10 +74,7 @@ impl Scene {
     pub fn camera_named(&self, name: &str) -> Result<&Camera, Error> {
         let known = || self.cameras.iter().map(|c| c.name.clone()).collect();
         let found = self.cameras.iter().find(|c| c.name == name);
-        found.ok_or_else(|| Error::Camera {
-            name: name.into(),
-            known: known(),
-        })
+        found.ok_or_else(|| Error::Camera { name: name.into(), known: known() })
     }
 
     /// The first camera; without one, a camera that sees the whole scene from the front, a little from above.
@@ -112,24 +96,15 @@ impl Scene {
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let corners = self.instances.iter().flat_map(|instance| {
             let mesh = &self.meshes[instance.mesh];
-            let vertices = mesh
-                .triangles
-                .iter()
-                .flatten()
-                .map(|&i| mesh.positions[i as usize]);
+            let vertices = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
             vertices.map(|p| instance.to_world.transform_point3(p.as_dvec3()))
         });
-        corners
-            .map(|p| (p, p))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        corners.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// Triangles in the world, counted with their instances.
     pub fn triangle_count(&self) -> usize {
-        self.instances
-            .iter()
-            .map(|i| self.meshes[i.mesh].triangles.len())
-            .sum()
+        self.instances.iter().map(|i| self.meshes[i.mesh].triangles.len()).sum()
     }
 
     /// All warnings as of now: those of loading, and what the scene lacks for an image.
@@ -139,18 +114,10 @@ impl Scene {
             warn(&mut all, "", "the scene has no triangles");
         }
         if self.cameras.is_empty() {
-            warn(
-                &mut all,
-                "",
-                "the scene has no camera: the whole scene is framed",
-            );
+            warn(&mut all, "", "the scene has no camera: the whole scene is framed");
         }
         if !self.has_light() {
-            warn(
-                &mut all,
-                "",
-                "the scene has no light: the image will be black",
-            );
+            warn(&mut all, "", "the scene has no light: the image will be black");
         }
         all
     }
@@ -161,9 +128,7 @@ impl Scene {
             let material = &self.materials[self.meshes[i.mesh].material];
             material.is_emissive() || material.unlit
         };
-        self.lights
-            .iter()
-            .any(|l| l.intensity.iter().any(|&c| c > 0.0))
+        self.lights.iter().any(|l| l.intensity.iter().any(|&c| c > 0.0))
             || self.environment.as_ref().is_some_and(|e| e.intensity > 0.0)
             || self.instances.iter().any(shines)
     }

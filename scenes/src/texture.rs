@@ -85,23 +85,13 @@ pub(crate) fn check_size(
         limit,
     };
     if width == 0 || height == 0 {
-        return Err(Error::Value {
-            file: file.into(),
-            path: path.into(),
-            reason: "an image without texels".into(),
-        });
+        return Err(Error::Value { file: file.into(), path: path.into(), reason: "an image without texels".into() });
     }
     if width.max(height) > limits.image_side {
-        return Err(too_large(format!(
-            "{} texels a side (image_side)",
-            limits.image_side
-        )));
+        return Err(too_large(format!("{} texels a side (image_side)", limits.image_side)));
     }
     if u64::from(width) * u64::from(height) * texel > limits.image_bytes {
-        return Err(too_large(format!(
-            "{} bytes decoded (image_bytes)",
-            limits.image_bytes
-        )));
+        return Err(too_large(format!("{} bytes decoded (image_bytes)", limits.image_bytes)));
     }
     Ok(())
 }

@@ -13,21 +13,12 @@ pub(super) fn empty() -> Scene {
 
 /// A floor a kilometre wide seen from a hand's breadth above, rough metal, with low lamps: every angle is grazing.
 pub(super) fn grazing() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |_| [0.2; 3])),
-        ..Scene::default()
-    };
+    let mut scene = Scene { environment: Some(sky(16, |_| [0.2; 3])), ..Scene::default() };
     let metal = scene.paint(Material::metal("steel", [0.7; 3], 0.4));
     let lamp = scene.paint(Material::emitter("lamp", [5.0, 4.0, 3.0]));
     scene.place(floor(Vec3::ZERO, 1000.0, 1000.0), metal);
     for i in 0..5 {
-        scene.place(
-            solid(
-                vec3(i as f32 - 2.0, 0.05, -3.0),
-                [Vec3::X * 0.2, Vec3::Y * 0.1, Vec3::Z * 0.2],
-            ),
-            lamp,
-        );
+        scene.place(solid(vec3(i as f32 - 2.0, 0.05, -3.0), [Vec3::X * 0.2, Vec3::Y * 0.1, Vec3::Z * 0.2]), lamp);
     }
     scene.view([0.0, 0.1, 2.0], [0.0, 0.09, 0.0], 0.8, (512, 256));
     scene
@@ -45,14 +36,7 @@ pub(super) fn needles() -> Scene {
         [foot, foot + Vec3::X * 1e-6, foot + Vec3::Y]
     });
     let triangles = (0..200).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    scene.place(
-        Mesh {
-            positions: blades.collect(),
-            triangles,
-            ..Mesh::default()
-        },
-        blade,
-    );
+    scene.place(Mesh { positions: blades.collect(), triangles, ..Mesh::default() }, blade);
     scene.place(panel(vec3(0.0, 2.0, 0.0), 0.5, 0.5), lamp);
     scene.view([0.0, 1.0, 3.0], [0.0, 0.2, 0.0], 0.6, (256, 256));
     scene
@@ -60,30 +44,18 @@ pub(super) fn needles() -> Scene {
 
 /// A unit square floor of strips that share their edges: 64 of a millionth at the middle, the rest in two.
 fn striped_floor() -> Mesh {
-    let xs = std::iter::once(-0.5)
-        .chain((0..=64).map(|i| i as f32 * 1e-6))
-        .chain(std::iter::once(0.5));
-    let positions: Vec<Vec3> = xs
-        .flat_map(|x| [vec3(x, 0.0, -0.5), vec3(x, 0.0, 0.5)])
-        .collect();
+    let xs = std::iter::once(-0.5).chain((0..=64).map(|i| i as f32 * 1e-6)).chain(std::iter::once(0.5));
+    let positions: Vec<Vec3> = xs.flat_map(|x| [vec3(x, 0.0, -0.5), vec3(x, 0.0, 0.5)]).collect();
     let strips = positions.len() as u32 / 2 - 1;
-    let triangles = (0..strips).flat_map(|s| {
-        [0, 1].map(|t| if t == 0 { [0, 1, 3] } else { [0, 3, 2] }.map(|i| i + 2 * s))
-    });
-    Mesh {
-        triangles: triangles.collect(),
-        positions,
-        ..Mesh::default()
-    }
+    let triangles =
+        (0..strips).flat_map(|s| [0, 1].map(|t| if t == 0 { [0, 1, 3] } else { [0, 3, 2] }.map(|i| i + 2 * s)));
+    Mesh { triangles: triangles.collect(), positions, ..Mesh::default() }
 }
 
 /// Two squares in the same place with different materials: the one of the smaller primitive number, red, is seen; and a
 /// ball of doubled triangles.
 pub(super) fn coincident() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |_| [1.0; 3])),
-        ..Scene::default()
-    };
+    let mut scene = Scene { environment: Some(sky(16, |_| [1.0; 3])), ..Scene::default() };
     let red = scene.paint(Material::diffuse("red", [0.8, 0.1, 0.1]));
     let blue = scene.paint(Material::diffuse("blue", [0.1, 0.1, 0.8]));
     for material in [red, blue] {
@@ -97,27 +69,18 @@ pub(super) fn coincident() -> Scene {
 /// Balls whose shading normals are zero, 1e-20 long, turned inside, or mirrored with their mesh (a negative determinant),
 /// with zero tangents.
 pub(super) fn odd_normals() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |d| [0.5 + 0.5 * d.y; 3])),
-        ..Scene::default()
-    };
+    let mut scene = Scene { environment: Some(sky(16, |d| [0.5 + 0.5 * d.y; 3])), ..Scene::default() };
     let plastic = scene.paint(Material::plastic("plastic", [0.7; 3], 0.3));
     let bends: [fn(Vec3) -> Vec3; 4] = [|_| Vec3::ZERO, |n| n * 1e-20, |n| -n, |n| n];
     for (i, bend) in bends.into_iter().enumerate() {
         let mut ball = sphere(vec3(i as f32 * 1.1 - 1.65, 0.0, 0.0), 0.5, 3);
-        ball.normals
-            .iter_mut()
-            .flatten()
-            .for_each(|n| *n = bend(*n));
+        ball.normals.iter_mut().flatten().for_each(|n| *n = bend(*n));
         ball.tangents = Some(vec![Vec4::ZERO; ball.positions.len()]);
         scene.place(ball, plastic);
     }
     let mirrored = DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
     scene.instances.pop();
-    scene.instances.push(Instance {
-        mesh: 3,
-        to_world: mirrored,
-    });
+    scene.instances.push(Instance { mesh: 3, to_world: mirrored });
     scene.view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 0.5, (384, 128));
     scene
 }

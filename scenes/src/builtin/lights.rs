@@ -20,34 +20,20 @@ fn down_from(x: f64, y: f64, z: f64) -> DAffine3 {
 }
 
 fn light(kind: LightKind, intensity: f32, to_world: DAffine3) -> Light {
-    Light {
-        name: "light".into(),
-        kind,
-        intensity: [intensity; 3],
-        to_world,
-    }
+    Light { name: "light".into(), kind, intensity: [intensity; 3], to_world }
 }
 
 /// 1 candela at height 1 over the origin: irradiance 1 / d³ at distance d from the light.
 pub(super) fn point_light() -> Scene {
     let mut scene = grey_floor();
-    scene
-        .lights
-        .push(light(LightKind::Point, 1.0, down_from(0.0, 1.0, 0.0)));
+    scene.lights.push(light(LightKind::Point, 1.0, down_from(0.0, 1.0, 0.0)));
     scene
 }
 
 /// The same with a cone: full up to 0.3, nothing from 0.5 radians on.
 pub(super) fn spot() -> Scene {
     let mut scene = grey_floor();
-    scene.lights.push(light(
-        LightKind::Spot {
-            inner: 0.3,
-            outer: 0.5,
-        },
-        1.0,
-        down_from(0.0, 1.0, 0.0),
-    ));
+    scene.lights.push(light(LightKind::Spot { inner: 0.3, outer: 0.5 }, 1.0, down_from(0.0, 1.0, 0.0)));
     scene
 }
 
@@ -57,13 +43,7 @@ pub(super) fn sun() -> Scene {
     let slant = DAffine3::from_rotation_y(0.5) * DAffine3::from_rotation_x(-60f64.to_radians());
     scene.lights.push(light(LightKind::Directional, 1.0, slant));
     let block = scene.paint(Material::diffuse("block", [0.2, 0.4, 0.6]));
-    scene.place(
-        solid(
-            vec3(-0.3, 0.0, -0.3),
-            [Vec3::X * 0.6, Vec3::Y * 0.8, Vec3::Z * 0.6],
-        ),
-        block,
-    );
+    scene.place(solid(vec3(-0.3, 0.0, -0.3), [Vec3::X * 0.6, Vec3::Y * 0.8, Vec3::Z * 0.6]), block);
     scene
 }
 
@@ -78,12 +58,7 @@ pub(super) fn quad_light() -> Scene {
 /// 256 lamps of many colours, sizes and strengths over a city of blocks, and 16 point lights.
 pub(super) fn many_lights() -> Scene {
     let mut scene = grey_floor();
-    let colors = [
-        [1.0, 0.3, 0.2],
-        [0.3, 1.0, 0.4],
-        [0.3, 0.5, 1.0],
-        [1.0, 0.8, 0.5],
-    ];
+    let colors = [[1.0, 0.3, 0.2], [0.3, 1.0, 0.4], [0.3, 0.5, 1.0], [1.0, 0.8, 0.5]];
     let lamps = colors.map(|c| scene.paint(Material::emitter("lamp", c.map(|x: f32| x * 20.0))));
     let stone = scene.paint(Material::diffuse("stone", [0.6; 3]));
     for i in 0..256 {
@@ -92,10 +67,7 @@ pub(super) fn many_lights() -> Scene {
         scene.place(panel(vec3(x, height, z), side, side), lamps[i as usize % 4]);
         if i % 3 == 0 {
             let base = vec3(x + 0.15, 0.0, z + 0.1);
-            scene.place(
-                solid(base, [Vec3::X * 0.2, Vec3::Y * height, Vec3::Z * 0.2]),
-                stone,
-            );
+            scene.place(solid(base, [Vec3::X * 0.2, Vec3::Y * height, Vec3::Z * 0.2]), stone);
         }
         if i % 16 == 5 {
             let position = down_from(f64::from(x), 1.0, f64::from(z));
@@ -116,11 +88,7 @@ pub(super) fn environment() -> Scene {
         // 0.9994: a disc of 2 degrees' radius.
         let glow = if d.dot(sun) > 0.9994 { 2000.0 } else { 0.0 };
         let height = d.y.max(0.0);
-        [
-            0.3 + glow,
-            0.5 + 0.9 * glow,
-            0.6 + 0.4 * height + 0.7 * glow,
-        ]
+        [0.3 + glow, 0.5 + 0.9 * glow, 0.6 + 0.4 * height + 0.7 * glow]
     }));
     scene.view([0.0, 1.2, 4.0], [0.0, 0.4, 0.0], 0.5, (400, 300));
     scene
@@ -144,8 +112,6 @@ pub(super) fn edge_light() -> Scene {
     let mut scene = grey_floor();
     let lamp = scene.paint(Material::emitter("lamp", [2.0; 3]));
     scene.place(quad(vec3(-0.5, 0.0, -0.5), Vec3::X, Vec3::Y), lamp);
-    scene
-        .lights
-        .push(light(LightKind::Point, 1e-6, down_from(0.5, 1e-6, 0.5)));
+    scene.lights.push(light(LightKind::Point, 1e-6, down_from(0.5, 1e-6, 0.5)));
     scene
 }

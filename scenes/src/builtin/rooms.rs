@@ -5,14 +5,7 @@ use crate::{Light, LightKind, Material, Mesh, Scene};
 use glam::{DAffine3, DVec3, Vec3, vec3};
 
 /// The box 2 x 2 x 2 about the origin.
-const CUBE: (Vec3, [Vec3; 3]) = (
-    Vec3::NEG_ONE,
-    [
-        vec3(2.0, 0.0, 0.0),
-        vec3(0.0, 2.0, 0.0),
-        vec3(0.0, 0.0, 2.0),
-    ],
-);
+const CUBE: (Vec3, [Vec3; 3]) = (Vec3::NEG_ONE, [vec3(2.0, 0.0, 0.0), vec3(0.0, 2.0, 0.0), vec3(0.0, 0.0, 2.0)]);
 
 /// The Cornell box (Goral, Torrance, Greenberg, Battaile 1984; its measured colours in linear sRGB), scaled to 2 x 2 x 2 and
 /// open towards the camera: x in -1..1, y in 0..2, z in -1..1.
@@ -41,14 +34,8 @@ pub(super) fn cornell_box() -> Scene {
 pub(super) fn far_away() -> Scene {
     let mut scene = cornell_box();
     let away = DAffine3::from_translation(DVec3::splat(1e6));
-    scene
-        .instances
-        .iter_mut()
-        .for_each(|i| i.to_world = away * i.to_world);
-    scene
-        .cameras
-        .iter_mut()
-        .for_each(|c| c.to_world = away * c.to_world);
+    scene.instances.iter_mut().for_each(|i| i.to_world = away * i.to_world);
+    scene.cameras.iter_mut().for_each(|c| c.to_world = away * c.to_world);
     scene
 }
 
@@ -63,10 +50,7 @@ fn turned_box(base: Vec3, side: f32, height: f32, angle: f32) -> Mesh {
 fn furnace(wall: Mesh, albedo: f32) -> Scene {
     let mut scene = Scene::default();
     let emissive = [1.0 - albedo; 3];
-    let wall_material = Material {
-        emissive,
-        ..Material::diffuse("wall", [albedo; 3])
-    };
+    let wall_material = Material { emissive, ..Material::diffuse("wall", [albedo; 3]) };
     let material = scene.paint(wall_material);
     scene.place(inside_out(wall), material);
     scene.view([0.1, 0.2, 0.3], [0.0, 0.0, -1.0], 1.2, (256, 256));
@@ -96,19 +80,9 @@ fn black_room(wall: Mesh) -> Scene {
     let mut scene = Scene::default();
     let black = scene.paint(Material::diffuse("black", [0.0; 3]));
     scene.place(inside_out(wall), black);
-    let light = |kind, to_world| Light {
-        name: "outside".into(),
-        kind,
-        intensity: [1e6; 3],
-        to_world,
-    };
-    scene.lights.push(light(
-        LightKind::Point,
-        DAffine3::from_translation(DVec3::new(0.0, 1.5, 0.0)),
-    ));
-    scene
-        .lights
-        .push(light(LightKind::Directional, DAffine3::IDENTITY));
+    let light = |kind, to_world| Light { name: "outside".into(), kind, intensity: [1e6; 3], to_world };
+    scene.lights.push(light(LightKind::Point, DAffine3::from_translation(DVec3::new(0.0, 1.5, 0.0))));
+    scene.lights.push(light(LightKind::Directional, DAffine3::IDENTITY));
     scene.environment = Some(sky(16, |_| [1e6; 3]));
     scene.view([0.0, 0.0, 0.0], [0.3, 0.2, -1.0], 1.2, (256, 256));
     scene

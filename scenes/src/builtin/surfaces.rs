@@ -1,11 +1,8 @@
-//! What surfaces can do: materials, textures, alpha, glass.
+//! What surfaces can do: materials, a procedural texture, glass.
 
 use super::shapes::{floor, panel, quad, sky, solid, sphere};
-use crate::{
-    AlphaMode, Filter, Image, Material, Scene, Texture, TextureRef, TextureSource, UvTransform,
-    Wrap,
-};
-use glam::{Vec2, Vec3, vec3};
+use crate::{Filter, Material, Scene, Texture, TextureRef, TextureSource, UvTransform, Wrap};
+use glam::{Vec3, vec3};
 
 /// A row of balls on a checkerboard under a soft sky: diffuse, plastics, metals from rough to mirror, glass.
 pub(super) fn material_balls() -> Scene {
@@ -23,10 +20,7 @@ pub(super) fn material_balls() -> Scene {
     ];
     for (i, material) in row.into_iter().enumerate() {
         let material = scene.paint(material);
-        scene.place(
-            sphere(vec3(i as f32 * 1.1 - 3.85, 0.5, 0.0), 0.5, 5),
-            material,
-        );
+        scene.place(sphere(vec3(i as f32 * 1.1 - 3.85, 0.5, 0.0), 0.5, 5), material);
     }
     scene.view([0.0, 2.0, 9.0], [0.0, 0.4, 0.0], 0.55, (960, 320));
     scene
@@ -34,21 +28,12 @@ pub(super) fn material_balls() -> Scene {
 
 /// White, mirroring and glass balls that reflect or pass all light, in light that is 1 from everywhere: they cannot be seen.
 pub(super) fn white_furnace() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |_| [1.0; 3])),
-        ..Scene::default()
-    };
-    let row = [
-        Material::diffuse("white", [1.0; 3]),
-        Material::metal("mirror", [1.0; 3], 0.0),
-        Material::glass("glass", 1.5),
-    ];
+    let mut scene = Scene { environment: Some(sky(16, |_| [1.0; 3])), ..Scene::default() };
+    let row =
+        [Material::diffuse("white", [1.0; 3]), Material::metal("mirror", [1.0; 3], 0.0), Material::glass("glass", 1.5)];
     for (i, material) in row.into_iter().enumerate() {
         let material = scene.paint(material);
-        scene.place(
-            sphere(vec3(i as f32 * 1.1 - 1.1, 0.0, 0.0), 0.5, 4),
-            material,
-        );
+        scene.place(sphere(vec3(i as f32 * 1.1 - 1.1, 0.0, 0.0), 0.5, 4), material);
     }
     scene.view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 0.4, (384, 192));
     scene
@@ -61,35 +46,19 @@ pub(super) fn checkerboard() -> Scene {
     scene
 }
 
-fn on_checkerboard() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(64, soft_sky)),
-        ..Scene::default()
-    };
+/// A floor of squares under a soft sky.
+pub(super) fn on_checkerboard() -> Scene {
+    let mut scene = Scene { environment: Some(sky(64, soft_sky)), ..Scene::default() };
     scene.textures.push(Texture {
         name: "squares".into(),
-        source: TextureSource::Checkerboard {
-            even: [0.7; 3],
-            odd: [0.15; 3],
-        },
+        source: TextureSource::Checkerboard { even: [0.7; 3], odd: [0.15; 3] },
         wrap_s: Wrap::Repeat,
         wrap_t: Wrap::Repeat,
         filter: Filter::Nearest,
     });
-    let squares = UvTransform {
-        offset: [0.0; 2],
-        rotation: 0.0,
-        scale: [40.0; 2],
-    };
-    let texture = TextureRef {
-        texture: 0,
-        uv_set: 0,
-        transform: Some(squares),
-    };
-    let board = Material {
-        base_color_texture: Some(texture),
-        ..Material::diffuse("board", [1.0; 3])
-    };
+    let squares = UvTransform { offset: [0.0; 2], rotation: 0.0, scale: [40.0; 2] };
+    let texture = TextureRef { texture: 0, uv_set: 0, transform: Some(squares) };
+    let board = Material { base_color_texture: Some(texture), ..Material::diffuse("board", [1.0; 3]) };
     let board = scene.paint(board);
     scene.place(floor(Vec3::ZERO, 20.0, 20.0), board);
     scene
@@ -104,19 +73,10 @@ fn soft_sky(d: Vec3) -> [f32; 3] {
 pub(super) fn glass() -> Scene {
     let mut scene = on_checkerboard();
     let glass = scene.paint(Material::glass("glass", 1.5));
-    let pane = scene.paint(Material {
-        volume: None,
-        ..Material::glass("pane", 1.5)
-    });
+    let pane = scene.paint(Material { volume: None, ..Material::glass("pane", 1.5) });
     let lamp = scene.paint(Material::emitter("lamp", [8.0; 3]));
     scene.place(sphere(vec3(-1.2, 0.5, 0.0), 0.5, 5), glass);
-    scene.place(
-        solid(
-            vec3(-0.3, 0.0, -0.3),
-            [Vec3::X * 0.7, Vec3::Y * 0.9, Vec3::Z * 0.7],
-        ),
-        glass,
-    );
+    scene.place(solid(vec3(-0.3, 0.0, -0.3), [Vec3::X * 0.7, Vec3::Y * 0.9, Vec3::Z * 0.7]), glass);
     scene.place(quad(vec3(0.8, 0.0, 0.4), Vec3::X, Vec3::Y), pane);
     scene.place(panel(vec3(0.0, 3.0, 0.0), 1.0, 1.0), lamp);
     scene.view([0.0, 1.4, 5.0], [0.0, 0.4, 0.0], 0.6, (640, 360));
@@ -126,15 +86,9 @@ pub(super) fn glass() -> Scene {
 /// The camera inside a glass cube in light that is 1 from everywhere: where no component of a direction exceeds
 /// sqrt(1 - 1/1.5²) = 0.745 the light is trapped for ever (black), elsewhere the cube cannot be seen (1).
 pub(super) fn glass_trap() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |_| [1.0; 3])),
-        ..Scene::default()
-    };
+    let mut scene = Scene { environment: Some(sky(16, |_| [1.0; 3])), ..Scene::default() };
     let glass = scene.paint(Material::glass("glass", 1.5));
-    scene.place(
-        solid(Vec3::NEG_ONE, [Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 2.0]),
-        glass,
-    );
+    scene.place(solid(Vec3::NEG_ONE, [Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 2.0]), glass);
     scene.view([0.1, 0.2, 0.3], [0.1, 0.2, -1.0], 1.9, (256, 256));
     scene
 }
@@ -142,10 +96,7 @@ pub(super) fn glass_trap() -> Scene {
 /// Glass within glass, and two glass blocks that share a face.
 pub(super) fn nested_glass() -> Scene {
     let mut scene = on_checkerboard();
-    let (light, dense) = (
-        scene.paint(Material::glass("light", 1.3)),
-        scene.paint(Material::glass("dense", 1.7)),
-    );
+    let (light, dense) = (scene.paint(Material::glass("light", 1.3)), scene.paint(Material::glass("dense", 1.7)));
     scene.place(sphere(vec3(-0.8, 0.6, 0.0), 0.5, 4), light);
     scene.place(sphere(vec3(-0.8, 0.6, 0.0), 0.3, 4), dense);
     let edges = [Vec3::X * 0.5, Vec3::Y * 0.8, Vec3::Z * 0.5];
@@ -153,175 +104,4 @@ pub(super) fn nested_glass() -> Scene {
     scene.place(solid(vec3(0.7, 0.01, 0.0), edges), dense);
     scene.view([0.0, 1.2, 4.0], [0.0, 0.5, 0.0], 0.6, (512, 384));
     scene
-}
-
-/// Cards with holes (MASK) and cards that fade (BLEND), before a checkerboard, with their shadows.
-pub(super) fn alpha() -> Scene {
-    let mut scene = on_checkerboard();
-    let disc = |x: f32, y: f32| if x * x + y * y < 0.8 { 255 } else { 0 };
-    let fade = |x: f32, _: f32| ((x + 1.0) * 127.5).round() as u8;
-    let disc = scene.picture(
-        "disc",
-        [64, 64],
-        |x, y| [230, 120, 40, disc(x, y)],
-        Filter::Nearest,
-    );
-    let fade = scene.picture(
-        "fade",
-        [64, 64],
-        |x, y| [40, 120, 230, fade(x, y)],
-        Filter::Bilinear,
-    );
-    let card = |texture, alpha_mode| Material {
-        base_color_texture: Some(texture),
-        alpha_mode,
-        ..Material::diffuse("card", [1.0; 3])
-    };
-    let mask = scene.paint(card(disc, AlphaMode::Mask(0.5)));
-    let blend = scene.paint(card(fade, AlphaMode::Blend));
-    let lamp = scene.paint(Material::emitter("lamp", [20.0; 3]));
-    for i in 0..3 {
-        let shift = vec3(i as f32 * 0.3, 0.0, i as f32 * -0.8);
-        scene.place(quad(vec3(-1.5, 0.0, 0.5) + shift, Vec3::X, Vec3::Y), mask);
-        scene.place(quad(vec3(0.2, 0.0, 0.5) + shift, Vec3::X, Vec3::Y), blend);
-    }
-    scene.place(panel(vec3(0.0, 3.0, 2.0), 0.5, 0.5), lamp);
-    scene.view([0.0, 1.2, 4.5], [0.0, 0.4, 0.0], 0.6, (512, 384));
-    scene
-}
-
-/// Every wrap mode with every filter: a small picture from -1 to 2 on each card.
-pub(super) fn textures() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |_| [1.0; 3])),
-        ..Scene::default()
-    };
-    let picture = |x: f32, y: f32| {
-        [
-            (x * 100.0 + 128.0) as u8,
-            (y * 100.0 + 128.0) as u8,
-            if x * y > 0.0 { 200 } else { 40 },
-            255,
-        ]
-    };
-    for (row, filter) in [Filter::Nearest, Filter::Bilinear].into_iter().enumerate() {
-        for (column, wrap) in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp]
-            .into_iter()
-            .enumerate()
-        {
-            let texture = scene.picture("picture", [4, 4], picture, filter);
-            scene.textures[texture.texture].wrap_s = wrap;
-            scene.textures[texture.texture].wrap_t = wrap;
-            let corner = vec3(column as f32 * 1.1 - 1.6, row as f32 * -1.1 + 0.05, 0.0);
-            scene.card(
-                corner,
-                texture,
-                UvTransform {
-                    offset: [-1.0; 2],
-                    rotation: 0.0,
-                    scale: [3.0; 2],
-                },
-            );
-        }
-    }
-    scene.view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 0.5, (384, 256));
-    scene
-}
-
-/// Lookups at the edge of what single precision can do: textures of one texel and one row, coordinates of ten million
-/// and of minus a billionth (whose fraction rounds to 1).
-pub(super) fn odd_textures() -> Scene {
-    let mut scene = Scene {
-        environment: Some(sky(16, |_| [1.0; 3])),
-        ..Scene::default()
-    };
-    let picture = |x: f32, y: f32| {
-        [
-            (x * 127.0 + 128.0) as u8,
-            (y * 127.0 + 128.0) as u8,
-            90,
-            255,
-        ]
-    };
-    let sizes = [[1, 1], [1, 7], [7, 1], [4, 4]];
-    let spans = [
-        ([1e7, 1e7], 1.0),
-        ([-1e-9, -1e-9], 0.0),
-        ([-1e-9, 0.5], 1e7),
-    ];
-    for (column, size) in sizes.into_iter().enumerate() {
-        for (row, (offset, scale)) in spans.into_iter().enumerate() {
-            let filter = if row == 0 {
-                Filter::Nearest
-            } else {
-                Filter::Bilinear
-            };
-            let texture = scene.picture("odd", size, picture, filter);
-            let corner = vec3(column as f32 * 1.1 - 2.15, row as f32 * 1.1 - 1.6, 0.0);
-            scene.card(
-                corner,
-                texture,
-                UvTransform {
-                    offset,
-                    rotation: 0.0,
-                    scale: [scale; 2],
-                },
-            );
-        }
-    }
-    scene.view([0.0, 0.0, 6.0], [0.0, 0.0, 0.0], 0.6, (384, 288));
-    scene
-}
-
-impl Scene {
-    /// Adds an image of texels given for x and y in -1..1 (y downwards), and a repeating texture of it.
-    fn picture(
-        &mut self,
-        name: &str,
-        [width, height]: [u32; 2],
-        texel: impl Fn(f32, f32) -> [u8; 4],
-        filter: Filter,
-    ) -> TextureRef {
-        let at = |i: u32, n: u32| (i as f32 + 0.5) / n as f32 * 2.0 - 1.0;
-        let rgba = (0..width * height)
-            .map(|i| texel(at(i % width, width), at(i / width, height)))
-            .collect();
-        self.images.push(Image {
-            name: name.into(),
-            width,
-            height,
-            rgba,
-        });
-        let source = TextureSource::Image(self.images.len() - 1);
-        self.textures.push(Texture {
-            name: name.into(),
-            source,
-            wrap_s: Wrap::Repeat,
-            wrap_t: Wrap::Repeat,
-            filter,
-        });
-        TextureRef {
-            texture: self.textures.len() - 1,
-            uv_set: 0,
-            transform: None,
-        }
-    }
-
-    /// Adds a unit card facing +Z, v = 0 at its top, that shows a texture.
-    fn card(&mut self, corner: Vec3, texture: TextureRef, transform: UvTransform) {
-        let texture = TextureRef {
-            transform: Some(transform),
-            ..texture
-        };
-        let material = self.paint(Material {
-            base_color_texture: Some(texture),
-            ..Material::diffuse("card", [1.0; 3])
-        });
-        let mut card = quad(corner, Vec3::X, Vec3::Y);
-        card.uvs[0]
-            .iter_mut()
-            .flatten()
-            .for_each(|uv| *uv = Vec2::new(uv.x, 1.0 - uv.y));
-        self.place(card, material);
-    }
 }

@@ -1,14 +1,9 @@
 //! Accessors: typed arrays in buffers, every offset and count checked in 64 bits before a byte is read.
 
 use super::Loader;
-use super::folder::{Resolved, resolve};
+use super::buffer::Bytes;
 use super::json::Json;
 use crate::Error;
-use std::borrow::Cow;
-use std::rc::Rc;
-
-/// The bytes of a buffer: the GLB's own chunk, or read from elsewhere.
-pub(super) type Bytes<'a> = Rc<Cow<'a, [u8]>>;
 
 /// A component type of glTF (5120 and up).
 #[derive(Clone, Copy, PartialEq)]
@@ -50,17 +45,10 @@ impl Component {
             Component::U8 => (f32::from(b[0]), 255.0),
             Component::I16 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
             Component::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-            Component::U32 => (
-                u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
-                4294967295.0,
-            ),
+            Component::U32 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, 4294967295.0),
             Component::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
         };
-        if normalized {
-            (value / unit).max(-1.0)
-        } else {
-            value
-        }
+        if normalized { (value / unit).max(-1.0) } else { value }
     }
 
     /// The unsigned integer at the start of `b`.
@@ -111,9 +99,7 @@ impl<'a> Loader<'a> {
         let (_, at) = reference.refer(&self.root, "accessors", "accessors")?;
         let count = at.need("count")?.integer()?;
         if count == 0 {
-            return Err(at
-                .need("count")?
-                .fault("0 elements; at least 1 is required"));
+            return Err(at.need("count")?.fault("0 elements; at least 1 is required"));
         }
         let kind = at.need("type")?;
         let width = match kind.text()? {
@@ -133,63 +119,34 @@ impl<'a> Loader<'a> {
             }
             None => None,
         };
-        let sparse = at
-            .get("sparse")
-            .map(|s| self.sparse(&s, count, size))
-            .transpose()?;
+        let sparse = at.get("sparse").map(|s| self.sparse(&s, count, size)).transpose()?;
         let normalized = at.flag("normalized")?;
-        Ok(Accessor {
-            count: count as usize,
-            component,
-            width,
-            normalized,
-            dense,
-            sparse,
-            at,
-        })
+        Ok(Accessor { count: count as usize, component, width, normalized, dense, sparse, at })
     }
 
     fn sparse(&mut self, at: &Json<'a>, count: u64, size: usize) -> Result<Sparse<'a>, Error> {
         let number = at.need("count")?.integer()?;
         if number == 0 || number > count {
-            return Err(at
-                .need("count")?
-                .fault(format!("{number} replacements for {count} elements")));
+            return Err(at.need("count")?.fault(format!("{number} replacements for {count} elements")));
         }
         let place = at.need("indices")?;
         let component = Component::read_type(&place.need("componentType")?)?;
         if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
-            return Err(place
-                .need("componentType")?
-                .fault("indices must be unsigned integers"));
+            return Err(place.need("componentType")?.fault("indices must be unsigned integers"));
         }
         let elements = self.elements(&place, number, component.size(), false)?;
-        let indices: Vec<u32> = (0..number as usize)
-            .map(|i| component.index(elements.at(i)))
-            .collect();
+        let indices: Vec<u32> = (0..number as usize).map(|i| component.index(elements.at(i))).collect();
         if let Some(pair) = indices.windows(2).find(|w| w[0] >= w[1]) {
-            return Err(place.fault(format!(
-                "index {} follows {}; they must increase",
-                pair[1], pair[0]
-            )));
+            return Err(place.fault(format!("index {} follows {}; they must increase", pair[1], pair[0])));
         }
         if let Some(&last) = indices.last().filter(|&&i| u64::from(i) >= count) {
             return Err(place.index_fault(last.into(), format!("{count} elements")));
         }
-        Ok(Sparse {
-            indices,
-            values: self.elements(&at.need("values")?, number, size, false)?,
-        })
+        Ok(Sparse { indices, values: self.elements(&at.need("values")?, number, size, false)? })
     }
 
     /// `count` elements of `size` bytes in the buffer view that the object at `at` names, from its byteOffset on.
-    fn elements(
-        &mut self,
-        at: &Json<'a>,
-        count: u64,
-        size: usize,
-        strided: bool,
-    ) -> Result<Elements<'a>, Error> {
+    fn elements(&mut self, at: &Json<'a>, count: u64, size: usize, strided: bool) -> Result<Elements<'a>, Error> {
         let (bytes, start, length, view) = self.view(&at.need("bufferView")?)?;
         let stride = match view.get("byteStride").filter(|_| strided) {
             None => size as u64,
@@ -207,107 +164,20 @@ impl<'a> Loader<'a> {
             .and_then(|n| n.checked_add(offset))
             .and_then(|n| n.checked_add(size as u64));
         if end.is_none_or(|end| end > length as u64) {
-            let reason = format!(
-                "{count} elements of {size} bytes from byte {offset}, stride {stride}, in a view of {length}"
-            );
+            let reason =
+                format!("{count} elements of {size} bytes from byte {offset}, stride {stride}, in a view of {length}");
             return Err(at.fault(reason));
         }
-        Ok(Elements {
-            bytes,
-            start: start + offset as usize,
-            stride: stride as usize,
-        })
-    }
-
-    /// The buffer view that the index at `reference` points to: its buffer, first byte, length, and JSON.
-    pub fn view(
-        &mut self,
-        reference: &Json<'a>,
-    ) -> Result<(Bytes<'a>, usize, usize, Json<'a>), Error> {
-        let (_, view) = reference.refer(&self.root, "bufferViews", "buffer views")?;
-        let bytes = self.buffer(&view.need("buffer")?)?;
-        let offset = view.integer_or("byteOffset", 0)?;
-        let length = view.need("byteLength")?.integer()?;
-        if offset
-            .checked_add(length)
-            .is_none_or(|end| end > bytes.len() as u64)
-        {
-            let reason = format!(
-                "bytes {offset} to {offset} + {length} of a buffer of {}",
-                bytes.len()
-            );
-            return Err(view.fault(reason));
-        }
-        Ok((bytes, offset as usize, length as usize, view))
-    }
-
-    /// The buffer that the index at `reference` points to, read once.
-    fn buffer(&mut self, reference: &Json<'a>) -> Result<Bytes<'a>, Error> {
-        let (index, at) = reference.refer(&self.root, "buffers", "buffers")?;
-        if let Some(known) = self.buffers.get(&index) {
-            return Ok(known.clone());
-        }
-        let length = at.need("byteLength")?.integer()?;
-        let bytes: Cow<'a, [u8]> = match (at.get("uri"), self.bin) {
-            (Some(uri), _) => match resolve(&uri, self.limits)? {
-                Resolved::Bytes(bytes) => bytes.into(),
-                Resolved::Missing(reason) => return Err(uri.uri_fault(reason)),
-            },
-            (None, Some(bin)) if index == 0 => bin.into(),
-            (None, _) => return Err(at.fault("no uri, and no binary chunk in the file")),
-        };
-        if length > bytes.len() as u64 {
-            return Err(at.need("byteLength")?.fault(format!(
-                "{length} bytes, but there are only {}",
-                bytes.len()
-            )));
-        }
-        let bytes = Rc::new(bytes);
-        self.buffers.insert(index, bytes.clone());
-        Ok(bytes)
-    }
-
-    /// Takes `count` values of `size` bytes from the budget for geometry.
-    pub fn spend(&mut self, at: &Json, count: usize, size: usize) -> Result<(), Error> {
-        let cost = count as u64 * size as u64;
-        match self.geometry_left.checked_sub(cost) {
-            Some(left) => self.geometry_left = left,
-            None => {
-                let limit = format!(
-                    "{} bytes in all (geometry_bytes)",
-                    self.limits.geometry_bytes
-                );
-                return Err(at.limit_fault(
-                    format!("the geometry up to here, {count} elements of {size} bytes more,"),
-                    limit,
-                ));
-            }
-        }
-        Ok(())
+        Ok(Elements { bytes, start: start + offset as usize, stride: stride as usize })
     }
 
     /// All elements as vectors of `N` floats; missing components (an RGB of RGBA) are `fill`.
-    pub fn floats<const N: usize>(
-        &mut self,
-        accessor: &Accessor<'a>,
-        fill: f32,
-    ) -> Result<Vec<[f32; N]>, Error> {
+    pub fn floats<const N: usize>(&mut self, accessor: &Accessor<'a>, fill: f32) -> Result<Vec<[f32; N]>, Error> {
         self.spend(&accessor.at, accessor.count, 4 * N)?;
-        let Accessor {
-            component,
-            width,
-            normalized,
-            ..
-        } = *accessor;
+        let Accessor { component, width, normalized, .. } = *accessor;
         let size = component.size();
         let element = |b: &[u8]| -> [f32; N] {
-            std::array::from_fn(|c| {
-                if c < width {
-                    component.float(&b[c * size..], normalized)
-                } else {
-                    fill
-                }
-            })
+            std::array::from_fn(|c| if c < width { component.float(&b[c * size..], normalized) } else { fill })
         };
         let mut floats = match &accessor.dense {
             Some(dense) => (0..accessor.count).map(|i| element(dense.at(i))).collect(),
@@ -323,19 +193,13 @@ impl<'a> Loader<'a> {
 
     /// All elements as vertex indices below `vertices`.
     pub fn indices(&mut self, accessor: &Accessor<'a>, vertices: usize) -> Result<Vec<u32>, Error> {
-        let Accessor {
-            component, width, ..
-        } = *accessor;
+        let Accessor { component, width, .. } = *accessor;
         if width != 1 || !matches!(component, Component::U8 | Component::U16 | Component::U32) {
-            return Err(accessor
-                .at
-                .fault("indices must be unsigned integer scalars"));
+            return Err(accessor.at.fault("indices must be unsigned integer scalars"));
         }
         self.spend(&accessor.at, accessor.count, 4)?;
         let mut indices = match &accessor.dense {
-            Some(dense) => (0..accessor.count)
-                .map(|i| component.index(dense.at(i)))
-                .collect(),
+            Some(dense) => (0..accessor.count).map(|i| component.index(dense.at(i))).collect(),
             None => vec![0; accessor.count],
         };
         if let Some(sparse) = &accessor.sparse {
@@ -344,9 +208,7 @@ impl<'a> Loader<'a> {
             }
         }
         match indices.iter().find(|&&i| i as usize >= vertices) {
-            Some(&i) => Err(accessor
-                .at
-                .index_fault(i.into(), format!("{vertices} vertices"))),
+            Some(&i) => Err(accessor.at.index_fault(i.into(), format!("{vertices} vertices"))),
             None => Ok(indices),
         }
     }

@@ -8,23 +8,13 @@ const GLB_HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
 /// Splits a file into its JSON text and, for a GLB, its binary chunk.
-pub(super) fn split<'a>(
-    file: &Path,
-    bytes: &'a [u8],
-) -> Result<(&'a [u8], Option<&'a [u8]>), Error> {
+pub(super) fn split<'a>(file: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), Error> {
     if !bytes.starts_with(b"glTF") {
         // A byte order mark is not JSON, but a reader may skip it (RFC 8259, section 8.1).
         return Ok((bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None));
     }
-    let fault = |reason: String| Error::Container {
-        file: file.into(),
-        reason,
-    };
-    let word = |at: usize| {
-        bytes
-            .get(at..at + 4)
-            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-    };
+    let fault = |reason: String| Error::Container { file: file.into(), reason };
+    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err(fault("the GLB header is cut off".into()));
     };
@@ -33,10 +23,7 @@ pub(super) fn split<'a>(
     }
     let end = length as usize;
     if end < GLB_HEADER || end > bytes.len() {
-        return Err(fault(format!(
-            "the GLB header says {length} bytes, the file has {}",
-            bytes.len()
-        )));
+        return Err(fault(format!("the GLB header says {length} bytes, the file has {}", bytes.len())));
     }
     let (mut json, mut bin) = (None, None);
     let mut at = GLB_HEADER;
@@ -45,14 +32,8 @@ pub(super) fn split<'a>(
             break;
         };
         let start = at + CHUNK_HEADER;
-        let Some(chunk) = bytes[..end]
-            .get(start..)
-            .and_then(|rest| rest.get(..size as usize))
-        else {
-            return Err(fault(format!(
-                "the GLB chunk at byte {at} says {size} bytes, {} are left",
-                end - start
-            )));
+        let Some(chunk) = bytes[..end].get(start..).and_then(|rest| rest.get(..size as usize)) else {
+            return Err(fault(format!("the GLB chunk at byte {at} says {size} bytes, {} are left", end - start)));
         };
         match &kind.to_le_bytes() {
             b"JSON" if at == GLB_HEADER => json = Some(chunk),
@@ -69,10 +50,7 @@ pub(super) fn split<'a>(
 /// itself stops at 128 nested levels.
 pub(super) fn parse(file: &Path, json: &[u8], limits: &Limits) -> Result<Value, Error> {
     // Every value but the first follows one of these bytes; those inside strings only make the count safer.
-    let values = json
-        .iter()
-        .filter(|b| matches!(b, b',' | b'[' | b'{'))
-        .count() as u64;
+    let values = json.iter().filter(|b| matches!(b, b',' | b'[' | b'{')).count() as u64;
     if values > limits.json_values {
         return Err(Error::Limit {
             file: file.into(),
@@ -81,8 +59,5 @@ pub(super) fn parse(file: &Path, json: &[u8], limits: &Limits) -> Result<Value, 
             limit: format!("{} (json_values)", limits.json_values),
         });
     }
-    serde_json::from_slice(json).map_err(|e| Error::Json {
-        file: file.into(),
-        reason: e.to_string(),
-    })
+    serde_json::from_slice(json).map_err(|e| Error::Json { file: file.into(), reason: e.to_string() })
 }

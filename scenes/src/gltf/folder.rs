@@ -16,10 +16,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// Reads a regular file the user named (pipes and devices could block or never end).
 pub(crate) fn read(file: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
-    let fault = |reason: String| Error::Read {
-        file: file.into(),
-        reason,
-    };
+    let fault = |reason: String| Error::Read { file: file.into(), reason };
     let metadata = std::fs::metadata(file).map_err(|e| fault(e.to_string()))?;
     if !metadata.is_file() {
         return Err(fault("not a regular file".into()));
@@ -34,19 +31,11 @@ pub(crate) fn read(file: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
         return Err(too_large(metadata.len()));
     }
     let mut bytes = Vec::new();
-    bytes
-        .try_reserve_exact(metadata.len() as usize)
-        .map_err(|e| fault(e.to_string()))?;
+    bytes.try_reserve_exact(metadata.len() as usize).map_err(|e| fault(e.to_string()))?;
     // The file may grow between the two calls.
     let bounded = File::open(file).map(|f| f.take(limits.file_bytes + 1));
-    bounded
-        .and_then(|mut f| f.read_to_end(&mut bytes))
-        .map_err(|e| fault(e.to_string()))?;
-    if bytes.len() as u64 > limits.file_bytes {
-        Err(too_large(bytes.len() as u64))
-    } else {
-        Ok(bytes)
-    }
+    bounded.and_then(|mut f| f.read_to_end(&mut bytes)).map_err(|e| fault(e.to_string()))?;
+    if bytes.len() as u64 > limits.file_bytes { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
 }
 
 /// What an acceptable URI leads to. A missing file, told by a reason, need not end the load: a texture can be done without.
@@ -86,11 +75,7 @@ pub(super) fn resolve(at: &Json, limits: &Limits) -> Result<Resolved, Error> {
     if name.starts_with(['/', '\\']) {
         return refuse("is an absolute path");
     }
-    let beside = at
-        .file
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let beside = at.file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (folder, target) = match (beside.canonicalize(), beside.join(&name).canonicalize()) {
         (Ok(folder), Ok(target)) => (folder, target),
         // Whether a file outside exists is none of the scene's business.

@@ -25,46 +25,27 @@ impl<'a> Loader<'a> {
                 if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-6) {
                     return Err(cone.fault("cone angles must be 0 <= inner < outer <= pi/2"));
                 }
-                LightKind::Spot {
-                    inner: inner as f32,
-                    outer: outer as f32,
-                }
+                LightKind::Spot { inner: inner as f32, outer: outer as f32 }
             }
             other => return Err(kind.fault(format!("{other} is none of point, spot, directional"))),
         };
         let strength = at.number_or("intensity", 1.0)?;
-        let intensity = at
-            .numbers_or("color", [1.0; 3])?
-            .map(|c| (c * strength) as f32);
+        let intensity = at.numbers_or("color", [1.0; 3])?.map(|c| (c * strength) as f32);
         if intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
             return Err(at.fault("color x intensity must be finite and not negative"));
         }
-        self.scene.lights.push(Light {
-            name: at.name(),
-            kind,
-            intensity,
-            to_world,
-        });
+        self.scene.lights.push(Light { name: at.name(), kind, intensity, to_world });
         Ok(())
     }
 
     /// Adds the camera that a node refers to.
-    pub fn camera(
-        &mut self,
-        reference: &Json<'a>,
-        node: &Json,
-        to_world: DAffine3,
-    ) -> Result<(), Error> {
+    pub fn camera(&mut self, reference: &Json<'a>, node: &Json, to_world: DAffine3) -> Result<(), Error> {
         let (_, at) = reference.refer(&self.root, "cameras", "cameras")?;
         let kind = at.need("type")?;
         match kind.text()? {
             "perspective" => {}
             "orthographic" => {
-                warn(
-                    &mut self.scene.warnings,
-                    &at.path,
-                    "orthographic cameras are left out",
-                );
+                warn(&mut self.scene.warnings, &at.path, "orthographic cameras are left out");
                 return Ok(());
             }
             other => {
@@ -81,23 +62,9 @@ impl<'a> Loader<'a> {
         if let Some(bad) = aspect.filter(|a| *a <= 0.0) {
             return Err(lens.fault(format!("an aspect ratio of {bad}")));
         }
-        let film = at
-            .get("extras")
-            .map(|extras| film(&extras))
-            .transpose()?
-            .flatten();
-        let name = if at.name().is_empty() {
-            node.name()
-        } else {
-            at.name()
-        };
-        self.scene.cameras.push(Camera {
-            name,
-            to_world,
-            yfov,
-            aspect,
-            film,
-        });
+        let film = at.get("extras").map(|extras| film(&extras)).transpose()?.flatten();
+        let name = if at.name().is_empty() { node.name() } else { at.name() };
+        self.scene.cameras.push(Camera { name, to_world, yfov, aspect, film });
         Ok(())
     }
 }

@@ -12,9 +12,7 @@ const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=f32::MAX as f64;
 impl<'a> Loader<'a> {
     /// The scene's material for the index at `reference`; without one, glTF's default material.
     pub fn material(&mut self, reference: Option<Json<'a>>) -> Result<usize, Error> {
-        let found = reference
-            .map(|r| r.refer(&self.root, "materials", "materials"))
-            .transpose()?;
+        let found = reference.map(|r| r.refer(&self.root, "materials", "materials")).transpose()?;
         let index = found.as_ref().map(|(i, _)| *i);
         if let Some(&known) = self.materials.get(&index) {
             return Ok(known);
@@ -30,10 +28,7 @@ impl<'a> Loader<'a> {
     }
 
     fn read_material(&mut self, at: &Json<'a>) -> Result<Material, Error> {
-        let mut m = Material {
-            name: at.name(),
-            ..Material::default()
-        };
+        let mut m = Material { name: at.name(), ..Material::default() };
         if let Some(pbr) = at.get("pbrMetallicRoughness") {
             m.base_color = self.factors(&pbr, "baseColorFactor", m.base_color, UNIT)?;
             m.base_color_texture = self.texture_ref(&pbr, "baseColorTexture")?;
@@ -59,19 +54,13 @@ impl<'a> Loader<'a> {
             let strength = self.factor(&ext, "emissiveStrength", 1.0, NOT_NEGATIVE)?;
             m.emissive = m.emissive.map(|c| c * strength);
             if m.emissive.iter().any(|c| !c.is_finite()) {
-                return Err(ext.fault(
-                    "emissiveFactor x emissiveStrength is beyond the range of single precision",
-                ));
+                return Err(ext.fault("emissiveFactor x emissiveStrength is beyond the range of single precision"));
             }
         }
         if let Some(ext) = at.extension("KHR_materials_ior") {
             m.ior = ext.number_or("ior", 1.5)? as f32;
             if m.ior != 0.0 && m.ior < 1.0 {
-                warn(
-                    &mut self.scene.warnings,
-                    &ext.path,
-                    "ior is below 1 (and not the special 0): 1 is used",
-                );
+                warn(&mut self.scene.warnings, &ext.path, "ior is below 1 (and not the special 0): 1 is used");
                 m.ior = 1.0;
             }
         }
@@ -89,16 +78,9 @@ impl<'a> Loader<'a> {
             m.volume = Some(Volume {
                 thickness: self.factor(&ext, "thicknessFactor", 0.0, NOT_NEGATIVE)?,
                 thickness_texture: self.texture_ref(&ext, "thicknessTexture")?,
-                attenuation_distance: match self.factor(
-                    &ext,
-                    "attenuationDistance",
-                    f32::INFINITY,
-                    NOT_NEGATIVE,
-                )? {
+                attenuation_distance: match self.factor(&ext, "attenuationDistance", f32::INFINITY, NOT_NEGATIVE)? {
                     0.0 => {
-                        return Err(ext
-                            .need("attenuationDistance")?
-                            .fault("0; it must be above 0"));
+                        return Err(ext.need("attenuationDistance")?.fault("0; it must be above 0"));
                     }
                     distance => distance,
                 },
@@ -121,13 +103,7 @@ impl<'a> Loader<'a> {
     }
 
     /// A number clamped to `range`, with a warning where that changes it.
-    fn factor(
-        &mut self,
-        at: &Json,
-        key: &str,
-        default: f32,
-        range: RangeInclusive<f64>,
-    ) -> Result<f32, Error> {
+    fn factor(&mut self, at: &Json, key: &str, default: f32, range: RangeInclusive<f64>) -> Result<f32, Error> {
         let Some(place) = at.get(key) else {
             return Ok(default);
         };
@@ -152,11 +128,7 @@ impl<'a> Loader<'a> {
 
     fn clamp(&mut self, at: &Json, x: f64, range: RangeInclusive<f64>) -> f32 {
         if !range.contains(&x) {
-            warn(
-                &mut self.scene.warnings,
-                &at.path,
-                "a factor out of its range is clamped",
-            );
+            warn(&mut self.scene.warnings, &at.path, "a factor out of its range is clamped");
         }
         x.clamp(*range.start(), *range.end()) as f32
     }
@@ -182,11 +154,7 @@ impl<'a> Loader<'a> {
             return Ok(None);
         }
         let texture = self.texture(&place.need("index")?)?;
-        Ok(texture.map(|texture| TextureRef {
-            texture,
-            uv_set: uv_set as usize,
-            transform,
-        }))
+        Ok(texture.map(|texture| TextureRef { texture, uv_set: uv_set as usize, transform }))
     }
 
     fn uv_transform(&mut self, ext: &Json) -> Result<UvTransform, Error> {

@@ -31,76 +31,70 @@ impl<'a> Loader<'a> {
         if mode > 6 {
             return Err(at.fault(format!("{mode} is not a primitive mode")));
         }
-        if mode < 4 {
-            warn(
-                &mut self.scene.warnings,
-                &at.path,
-                "points and lines are left out",
-            );
+        let attributes = at.need("attributes")?;
+        if mode < 4 || attributes.get("POSITION").is_none() {
+            warn(&mut self.scene.warnings, &at.path, "a primitive of points, of lines or without POSITION is left out");
             return Ok(None);
         }
         if at.get("targets").is_some() {
-            warn(
-                &mut self.scene.warnings,
-                &at.path,
-                "morph targets are ignored: the mesh is shown in its rest shape",
-            );
+            warn(&mut self.scene.warnings, &at.path, "morph targets are ignored: the mesh is shown in its rest shape");
         }
-        let attributes = at.need("attributes")?;
-        let Some(position) = attributes.get("POSITION") else {
-            warn(
-                &mut self.scene.warnings,
-                &at.path,
-                "a primitive without POSITION is left out",
-            );
-            return Ok(None);
-        };
-        let positions = self.attribute::<3>(&position, None, &[])?;
-        let count = Some(positions.len());
-        let normals = attributes
-            .get("NORMAL")
-            .map(|a| self.attribute::<3>(&a, count, &[]))
-            .transpose()?;
-        let tangents = attributes.get("TANGENT").filter(|_| normals.is_some());
-        let tangents = tangents
-            .map(|a| self.attribute::<4>(&a, count, &[]))
-            .transpose()?;
-        let fractions = [Component::U8, Component::U16];
-        let mut uv = |key| {
-            attributes
-                .get(key)
-                .map(|a| self.attribute::<2>(&a, count, &fractions))
-                .transpose()
-        };
-        let uvs = [uv("TEXCOORD_0")?, uv("TEXCOORD_1")?];
-        let colors = attributes
-            .get("COLOR_0")
-            .map(|a| self.attribute::<4>(&a, count, &fractions))
-            .transpose()?;
-        let corners = match at.get("indices") {
-            Some(reference) => {
-                let accessor = self.accessor(&reference)?;
-                self.indices(&accessor, positions.len())?
-            }
-            None => {
-                self.spend(at, positions.len(), 4)?;
-                (0..positions.len() as u32).collect()
-            }
-        };
+        let mut mesh = Mesh { name, ..self.vertices(&attributes)? };
+        let corners = self.corners(at, mesh.positions.len())?;
         self.spend(at, corners.len(), 12)?;
-        let mut mesh = Mesh {
-            name,
-            positions: positions.into_iter().map(Vec3::from).collect(),
-            normals: normals.map(|v| v.into_iter().map(Vec3::from).collect()),
-            tangents: tangents.map(|v| v.into_iter().map(Vec4::from).collect()),
-            uvs: uvs.map(|uv| uv.map(|v| v.into_iter().map(Vec2::from).collect())),
-            colors: colors.map(|v| v.into_iter().map(Vec4::from).collect()),
-            triangles: self.triangles(at, mode, &corners),
-            material: self.material(at.get("material"))?,
-        };
+        mesh.triangles = self.triangles(at, mode, &corners);
+        mesh.material = self.material(at.get("material"))?;
         self.repair(at, &mut mesh);
         self.check_uv_sets(at, &mesh);
         Ok((!mesh.triangles.is_empty()).then_some(mesh))
+    }
+
+    /// A mesh of vertices, without triangles yet.
+    fn vertices(&mut self, attributes: &Json<'a>) -> Result<Mesh, Error> {
+        let positions = self.attribute::<3>(&attributes.need("POSITION")?, None, &[])?;
+        let count = positions.len();
+        let fractions = &[Component::U8, Component::U16];
+        let normals = self.optional::<3>(attributes, "NORMAL", count, &[])?;
+        // Without normals the shading is flat and tangents mean nothing (glTF 2.0, section 3.7.2.1).
+        let tangents = match normals {
+            Some(_) => self.optional::<4>(attributes, "TANGENT", count, &[])?,
+            None => None,
+        };
+        let mut uv = |set| self.optional::<2>(attributes, set, count, fractions);
+        let uvs = [uv("TEXCOORD_0")?, uv("TEXCOORD_1")?];
+        let colors = self.optional::<4>(attributes, "COLOR_0", count, fractions)?;
+        Ok(Mesh {
+            positions: vectors(positions),
+            normals: normals.map(vectors),
+            tangents: tangents.map(vectors),
+            uvs: uvs.map(|uv| uv.map(vectors)),
+            colors: colors.map(vectors),
+            ..Mesh::default()
+        })
+    }
+
+    /// The vertices of the primitive's corners, in order.
+    fn corners(&mut self, at: &Json<'a>, vertices: usize) -> Result<Vec<u32>, Error> {
+        match at.get("indices") {
+            Some(reference) => {
+                let accessor = self.accessor(&reference)?;
+                self.indices(&accessor, vertices)
+            }
+            None => {
+                self.spend(at, vertices, 4)?;
+                Ok((0..vertices as u32).collect())
+            }
+        }
+    }
+
+    fn optional<const N: usize>(
+        &mut self,
+        attributes: &Json<'a>,
+        name: &str,
+        count: usize,
+        fractions: &[Component],
+    ) -> Result<Option<Vec<[f32; N]>>, Error> {
+        attributes.get(name).map(|reference| self.attribute(&reference, Some(count), fractions)).transpose()
     }
 
     /// A vertex attribute of `N` components (a COLOR_0 may have 3 of its 4). Floats are always allowed; `fractions` lists
@@ -114,22 +108,15 @@ impl<'a> Loader<'a> {
         let accessor = self.accessor(reference)?;
         let color = reference.path.ends_with("COLOR_0");
         if accessor.width != N && !(color && accessor.width == 3) {
-            return Err(reference.fault(format!(
-                "an accessor of {} components, not {N}",
-                accessor.width
-            )));
+            return Err(reference.fault(format!("an accessor of {} components, not {N}", accessor.width)));
         }
         let integer = accessor.component != Component::U32 && self.quantized && !color;
         let fraction = accessor.normalized && fractions.contains(&accessor.component);
         if accessor.component != Component::F32 && !integer && !fraction {
-            return Err(reference
-                .fault("this component type needs KHR_mesh_quantization in extensionsUsed"));
+            return Err(reference.fault("this component type needs KHR_mesh_quantization in extensionsUsed"));
         }
         if let Some(count) = count.filter(|&c| c != accessor.count) {
-            return Err(reference.fault(format!(
-                "{} elements beside {count} positions",
-                accessor.count
-            )));
+            return Err(reference.fault(format!("{} elements beside {count} positions", accessor.count)));
         }
         self.floats(&accessor, 1.0)
     }
@@ -140,19 +127,9 @@ impl<'a> Loader<'a> {
             5 => corners
                 .windows(3)
                 .enumerate()
-                .map(|(i, w)| {
-                    if i % 2 == 0 {
-                        [w[0], w[1], w[2]]
-                    } else {
-                        [w[0], w[2], w[1]]
-                    }
-                })
+                .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
                 .collect(),
-            6 => corners
-                .windows(2)
-                .skip(1)
-                .map(|w| [w[0], w[1], corners[0]])
-                .collect(),
+            6 => corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect(),
             _ => {
                 if !corners.len().is_multiple_of(3) {
                     warn(
@@ -161,10 +138,7 @@ impl<'a> Loader<'a> {
                         "the number of corners is no multiple of 3: the rest is left out",
                     );
                 }
-                corners
-                    .chunks_exact(3)
-                    .map(|c| [c[0], c[1], c[2]])
-                    .collect()
+                corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
             }
         }
     }
@@ -173,49 +147,37 @@ impl<'a> Loader<'a> {
     fn repair(&mut self, at: &Json, mesh: &mut Mesh) {
         let before = mesh.triangles.len();
         let positions = &mesh.positions;
-        mesh.triangles
-            .retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
+        mesh.triangles.retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
         let dropped = before - mesh.triangles.len();
         if dropped > 0 {
-            let message = format!(
-                "{dropped} of {before} triangles have a non-finite corner and are left out"
-            );
+            let message = format!("{dropped} of {before} triangles have a non-finite corner and are left out");
             warn(&mut self.scene.warnings, &at.path, message);
         }
         neutralise(&mut mesh.positions, Vec3::is_finite, Vec3::ZERO);
-        let mut neutral = mesh
-            .normals
-            .as_mut()
-            .map_or(0, |v| neutralise(v, Vec3::is_finite, Vec3::ZERO));
-        neutral += mesh
-            .tangents
-            .as_mut()
-            .map_or(0, |v| neutralise(v, Vec4::is_finite, Vec4::ZERO));
-        neutral += mesh
-            .colors
-            .as_mut()
-            .map_or(0, |v| neutralise(v, Vec4::is_finite, Vec4::ONE));
+        let mut neutral = mesh.normals.as_mut().map_or(0, |v| neutralise(v, Vec3::is_finite, Vec3::ZERO));
+        neutral += mesh.tangents.as_mut().map_or(0, |v| neutralise(v, Vec4::is_finite, Vec4::ZERO));
+        neutral += mesh.colors.as_mut().map_or(0, |v| neutralise(v, Vec4::is_finite, Vec4::ONE));
         for uv in mesh.uvs.iter_mut().flatten() {
             neutral += neutralise(uv, Vec2::is_finite, Vec2::ZERO);
         }
         if neutral > 0 {
-            let message = format!(
-                "{neutral} normals, tangents, colours or texture coordinates are not finite and are replaced"
-            );
+            let message =
+                format!("{neutral} normals, tangents, colours or texture coordinates are not finite and are replaced");
             warn(&mut self.scene.warnings, &at.path, message);
         }
     }
 
     fn check_uv_sets(&mut self, at: &Json, mesh: &Mesh) {
         let lacking = |set: usize| mesh.uvs[set].is_none();
-        if self.scene.materials[mesh.material]
-            .textures()
-            .any(|t| lacking(t.uv_set))
-        {
+        if self.scene.materials[mesh.material].textures().any(|t| lacking(t.uv_set)) {
             let message = "the material's textures use coordinates that the mesh lacks: they are looked up at (0, 0)";
             warn(&mut self.scene.warnings, &at.path, message);
         }
     }
+}
+
+fn vectors<const N: usize, V: From<[f32; N]>>(floats: Vec<[f32; N]>) -> Vec<V> {
+    floats.into_iter().map(V::from).collect()
 }
 
 /// Replaces what is not finite and says how many.

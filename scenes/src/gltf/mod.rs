@@ -5,6 +5,7 @@
 //! that no material uses costs nothing and complains about nothing.
 
 mod accessor;
+mod buffer;
 mod container;
 mod environment;
 pub(crate) mod folder;
@@ -17,7 +18,7 @@ mod texture;
 
 use crate::error::warn;
 use crate::{Error, Limits, Scene};
-use accessor::Bytes;
+use buffer::Bytes;
 use json::Json;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -62,22 +63,11 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
     let (json, bin) = container::split(file, &bytes)?;
     let value = container::parse(file, json, limits)?;
     let root = Json::root(file, &value);
-    let mut scene = Scene {
-        name: file
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into(),
-        ..Scene::default()
-    };
+    let mut scene = Scene { name: file.file_stem().unwrap_or_default().to_string_lossy().into(), ..Scene::default() };
     check_version(&root)?;
     let quantized = check_extensions(&root, &mut scene)?;
     if root.len("animations") > 0 {
-        warn(
-            &mut scene.warnings,
-            "animations",
-            "animations are ignored: the scene is shown at rest",
-        );
+        warn(&mut scene.warnings, "animations", "animations are ignored: the scene is shown at rest");
     }
     let chosen = chosen_scene(&root)?;
     let mut loader = Loader {
@@ -103,9 +93,7 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
 
 fn check_version(root: &Json) -> Result<(), Error> {
     let asset = root.need("asset")?;
-    let version = asset
-        .get("minVersion")
-        .map_or_else(|| asset.need("version"), Ok)?;
+    let version = asset.get("minVersion").map_or_else(|| asset.need("version"), Ok)?;
     match version.text()?.split('.').next() {
         Some("2") => Ok(()),
         _ => Err(version.fault(format!("glTF version {}, not 2", version.text()?))),
@@ -117,10 +105,7 @@ fn check_extensions(root: &Json, scene: &mut Scene) -> Result<bool, Error> {
     for required in root.list("extensionsRequired")? {
         let name = required.text()?;
         if !EXTENSIONS.contains(&name) {
-            return Err(Error::Extension {
-                file: root.file.into(),
-                name: name.into(),
-            });
+            return Err(Error::Extension { file: root.file.into(), name: name.into() });
         }
     }
     let mut quantized = false;
@@ -128,11 +113,7 @@ fn check_extensions(root: &Json, scene: &mut Scene) -> Result<bool, Error> {
         let name = used.text()?;
         quantized |= name == "KHR_mesh_quantization";
         if !EXTENSIONS.contains(&name) {
-            warn(
-                &mut scene.warnings,
-                &used.path,
-                format!("{name} is unknown and ignored"),
-            );
+            warn(&mut scene.warnings, &used.path, format!("{name} is unknown and ignored"));
         }
     }
     Ok(quantized)

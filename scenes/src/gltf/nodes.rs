@@ -21,27 +21,10 @@ impl<'a> Loader<'a> {
             Some(scene) => self.children(scene, "nodes")?,
             None => self.orphans()?,
         };
-        let visit = |parent, depth| {
-            move |(index, node)| Visit {
-                index,
-                node,
-                parent,
-                depth,
-            }
-        };
+        let visit = |parent, depth| move |(index, node)| Visit { index, node, parent, depth };
         let mut visited = vec![false; self.root.len("nodes")];
-        let mut stack: Vec<Visit> = roots
-            .into_iter()
-            .rev()
-            .map(visit(DAffine3::IDENTITY, 1))
-            .collect();
-        while let Some(Visit {
-            index,
-            node,
-            parent,
-            depth,
-        }) = stack.pop()
-        {
+        let mut stack: Vec<Visit> = roots.into_iter().rev().map(visit(DAffine3::IDENTITY, 1)).collect();
+        while let Some(Visit { index, node, parent, depth }) = stack.pop() {
             if std::mem::replace(&mut visited[index], true) {
                 return Err(node.fault("reached twice: it has two parents, or is its own ancestor"));
             }
@@ -51,17 +34,13 @@ impl<'a> Loader<'a> {
             }
             let to_world = parent * transform(&node)?;
             if !usable(&to_world) {
-                let message = "the transform is singular or leaves single precision: the node and all below it are left out";
+                let message =
+                    "the transform is singular or leaves single precision: the node and all below it are left out";
                 warn(&mut self.scene.warnings, &node.path, message);
                 continue;
             }
             self.contents(&node, to_world)?;
-            stack.extend(
-                self.children(&node, "children")?
-                    .into_iter()
-                    .rev()
-                    .map(visit(to_world, depth + 1)),
-            );
+            stack.extend(self.children(&node, "children")?.into_iter().rev().map(visit(to_world, depth + 1)));
         }
         Ok(())
     }
@@ -70,11 +49,7 @@ impl<'a> Loader<'a> {
     fn contents(&mut self, node: &Json<'a>, to_world: DAffine3) -> Result<(), Error> {
         if let Some(reference) = node.get("mesh") {
             if node.get("skin").is_some() {
-                warn(
-                    &mut self.scene.warnings,
-                    &node.path,
-                    "skins are ignored: the mesh is shown as modelled",
-                );
+                warn(&mut self.scene.warnings, &node.path, "skins are ignored: the mesh is shown as modelled");
             }
             for mesh in self.meshes(&reference)? {
                 self.instance(node, mesh, to_world)?;
@@ -92,21 +67,11 @@ impl<'a> Loader<'a> {
     fn instance(&mut self, node: &Json<'a>, mesh: usize, to_world: DAffine3) -> Result<(), Error> {
         let (low, high) = self.scene.meshes[mesh].bounds();
         let corner = |i: u32| {
-            let pick = |axis: usize| {
-                f64::from(if i >> axis & 1 == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                })
-            };
+            let pick = |axis: usize| f64::from(if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
             to_world.transform_point3(DVec3::from_array([0, 1, 2].map(pick)))
         };
         if !(0..8).all(|i| corner(i).as_vec3().is_finite()) {
-            warn(
-                &mut self.scene.warnings,
-                &node.path,
-                "the mesh leaves single precision in the world and is left out",
-            );
+            warn(&mut self.scene.warnings, &node.path, "the mesh leaves single precision in the world and is left out");
             return Ok(());
         }
         if self.scene.instances.len() == self.limits.instances {
@@ -118,10 +83,7 @@ impl<'a> Loader<'a> {
     }
 
     fn children(&self, at: &Json<'a>, key: &str) -> Result<Vec<(usize, Json<'a>)>, Error> {
-        at.list(key)?
-            .iter()
-            .map(|child| child.refer(&self.root, "nodes", "nodes"))
-            .collect()
+        at.list(key)?.iter().map(|child| child.refer(&self.root, "nodes", "nodes")).collect()
     }
 
     fn orphans(&self) -> Result<Vec<(usize, Json<'a>)>, Error> {
@@ -132,11 +94,7 @@ impl<'a> Loader<'a> {
                 has_parent[child] = true;
             }
         }
-        Ok(nodes
-            .into_iter()
-            .enumerate()
-            .filter(|(i, _)| !has_parent[*i])
-            .collect())
+        Ok(nodes.into_iter().enumerate().filter(|(i, _)| !has_parent[*i]).collect())
     }
 }
 
@@ -155,18 +113,11 @@ fn transform(node: &Json) -> Result<DAffine3, Error> {
     }
     let scale = DVec3::from_array(node.numbers_or("scale", [1.0; 3])?);
     let translation = DVec3::from_array(node.numbers_or("translation", [0.0; 3])?);
-    Ok(DAffine3::from_scale_rotation_translation(
-        scale,
-        rotation.normalize(),
-        translation,
-    ))
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation))
 }
 
 /// Invertible, and finite also once rounded to single precision.
 fn usable(to_world: &DAffine3) -> bool {
-    let finite = to_world
-        .to_cols_array()
-        .iter()
-        .all(|x| (*x as f32).is_finite());
+    let finite = to_world.to_cols_array().iter().all(|x| (*x as f32).is_finite());
     finite && to_world.matrix3.determinant().is_normal() && to_world.inverse().is_finite()
 }

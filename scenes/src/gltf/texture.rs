@@ -16,27 +16,18 @@ impl<'a> Loader<'a> {
         if let Some(&known) = self.textures.get(&index) {
             return Ok(known);
         }
-        let webp = at
-            .extension("EXT_texture_webp")
-            .and_then(|ext| ext.get("source"));
+        let webp = at.extension("EXT_texture_webp").and_then(|ext| ext.get("source"));
         let new = match webp.or_else(|| at.get("source")) {
             Some(source) => self.image(&source)?,
             None => {
-                warn(
-                    &mut self.scene.warnings,
-                    &at.path,
-                    "a texture without an image of a known format is left out",
-                );
+                warn(&mut self.scene.warnings, &at.path, "a texture without an image of a known format is left out");
                 None
             }
         };
         let new = match new {
             None => None,
             Some(image) => {
-                let sampler = at
-                    .get("sampler")
-                    .map(|s| s.refer(&self.root, "samplers", "samplers"))
-                    .transpose()?;
+                let sampler = at.get("sampler").map(|s| s.refer(&self.root, "samplers", "samplers")).transpose()?;
                 let texture = read_texture(&at, image, sampler.map(|(_, s)| s))?;
                 self.scene.textures.push(texture);
                 Some(self.scene.textures.len() - 1)
@@ -86,9 +77,8 @@ impl<'a> Loader<'a> {
     /// Decodes PNG, JPEG or WebP, told by their first bytes (the stated type is often wrong), once header and limits agree.
     fn decode(&mut self, at: &Json, bytes: &[u8]) -> Result<Result<Image, String>, Error> {
         let format = image::guess_format(bytes);
-        let Some(format) = format
-            .ok()
-            .filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP))
+        let Some(format) =
+            format.ok().filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP))
         else {
             return Ok(Err("the image is neither PNG, JPEG nor WebP".into()));
         };
@@ -106,20 +96,12 @@ impl<'a> Loader<'a> {
         let cost = u64::from(width) * u64::from(height) * 4;
         self.images_left = self.images_left.checked_sub(cost).ok_or_else(|| {
             let limit = format!("{} bytes in all (images_bytes)", self.limits.images_bytes);
-            at.limit_fault(
-                format!("the images up to here, {width} x {height} texels more,"),
-                limit,
-            )
+            at.limit_fault(format!("the images up to here, {width} x {height} texels more,"), limit)
         })?;
         Ok(match image::DynamicImage::from_decoder(decoder) {
             Ok(decoded) => {
                 let rgba = decoded.into_rgba8().as_chunks::<4>().0.to_vec();
-                Ok(Image {
-                    name: at.name(),
-                    width,
-                    height,
-                    rgba,
-                })
+                Ok(Image { name: at.name(), width, height, rgba })
             }
             Err(e) => Err(undecodable(e)),
         })
@@ -131,11 +113,7 @@ fn undecodable(error: image::ImageError) -> String {
 }
 
 fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Texture, Error> {
-    let get = |key, default| {
-        sampler
-            .as_ref()
-            .map_or(Ok(default), |s| s.integer_or(key, default))
-    };
+    let get = |key, default| sampler.as_ref().map_or(Ok(default), |s| s.integer_or(key, default));
     let wrap = |key| {
         Ok(match get(key, 10497)? {
             10497 => Wrap::Repeat,
@@ -150,11 +128,5 @@ fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Textur
         other => return Err(at.fault(format!("{other} is not a magnification filter"))),
     };
     let source = TextureSource::Image(image);
-    Ok(Texture {
-        name: at.name(),
-        source,
-        wrap_s: wrap("wrapS")?,
-        wrap_t: wrap("wrapT")?,
-        filter,
-    })
+    Ok(Texture { name: at.name(), source, wrap_s: wrap("wrapS")?, wrap_t: wrap("wrapT")?, filter })
 }

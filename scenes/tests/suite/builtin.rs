@@ -13,11 +13,7 @@ fn every_builtin_is_valid() {
         assert_eq!(scene.name, builtin.name);
         assert_eq!(scene.cameras.len(), 1, "{}", builtin.name);
         assert!(scene.warnings.is_empty());
-        assert!(
-            !builtin.purpose.is_empty() && builtin.purpose.len() <= 80,
-            "{}",
-            builtin.purpose
-        );
+        assert!(!builtin.purpose.is_empty() && builtin.purpose.len() <= 80, "{}", builtin.purpose);
         if builtin.name != "empty" {
             let lacks = scene.all_warnings();
             assert!(lacks.is_empty(), "{}: {lacks:?}", builtin.name);
@@ -36,18 +32,13 @@ fn is_closed(mesh: &Mesh) -> bool {
             *edges.entry((a, b)).or_insert(0) += 1;
         }
     }
-    edges
-        .iter()
-        .all(|(&(a, b), &n)| n == 1 && edges.get(&(b, a)) == Some(&1))
+    edges.iter().all(|(&(a, b), &n)| n == 1 && edges.get(&(b, a)) == Some(&1))
 }
 
 /// Positive where the fronts are outside (divergence theorem).
 fn volume(mesh: &Mesh) -> f64 {
     let p = |i: u32| mesh.positions[i as usize].as_dvec3();
-    mesh.triangles
-        .iter()
-        .map(|t| p(t[0]).dot(p(t[1]).cross(p(t[2]))) / 6.0)
-        .sum()
+    mesh.triangles.iter().map(|t| p(t[0]).dot(p(t[1]).cross(p(t[2]))) / 6.0).sum()
 }
 
 #[test]
@@ -58,11 +49,7 @@ fn closed_shapes_are_closed_and_face_the_right_way() {
         assert!(is_closed(&sphere), "{name}");
         // An inscribed polyhedron: smaller than the ball, by under 20 % even at 80 triangles.
         let ball = 4.0 / 3.0 * std::f64::consts::PI;
-        assert!(
-            volume(&sphere) < -0.8 * ball && volume(&sphere) > -ball,
-            "{name}: {}",
-            volume(&sphere)
-        );
+        assert!(volume(&sphere) < -0.8 * ball && volume(&sphere) > -ball, "{name}: {}", volume(&sphere));
     }
     for name in ["closed-box-50", "closed-box-99", "white-box", "black-box"] {
         assert!(is_closed(&room(name)), "{name}");
@@ -105,19 +92,13 @@ fn the_cornell_box_faces_its_inside() {
 
 #[test]
 fn far_away_is_the_cornell_box_moved() {
-    let (near, far) = (
-        Scene::load("builtin:cornell-box").unwrap(),
-        Scene::load("builtin:far-away").unwrap(),
-    );
+    let (near, far) = (Scene::load("builtin:cornell-box").unwrap(), Scene::load("builtin:far-away").unwrap());
     let offset = DVec3::splat(1e6);
     assert_eq!(near.meshes, far.meshes);
     for (a, b) in near.instances.iter().zip(&far.instances) {
         assert_eq!(a.to_world.translation + offset, b.to_world.translation);
     }
-    assert_eq!(
-        near.cameras[0].position() + offset,
-        far.cameras[0].position()
-    );
+    assert_eq!(near.cameras[0].position() + offset, far.cameras[0].position());
 }
 
 #[test]
@@ -129,10 +110,7 @@ fn lights_shine_where_their_scenes_say() {
 
 #[test]
 fn the_sun_of_the_sky_is_where_the_mapping_puts_it() {
-    let sky = Scene::load("builtin:environment")
-        .unwrap()
-        .environment
-        .unwrap();
+    let sky = Scene::load("builtin:environment").unwrap().environment.unwrap();
     let texel = |d: DVec3| {
         let u = 0.5 + d.x.atan2(-d.z) / std::f64::consts::TAU;
         let v = d.y.acos() / std::f64::consts::PI;
@@ -141,8 +119,5 @@ fn the_sun_of_the_sky_is_where_the_mapping_puts_it() {
     };
     let sun = DVec3::new(0.5, 0.7, 0.4).normalize();
     assert!(texel(sun) > 1000.0);
-    assert!(
-        texel(DVec3::new(-sun.x, sun.y, sun.z)) < 1.0
-            && texel(DVec3::new(sun.x, sun.y, -sun.z)) < 1.0
-    );
+    assert!(texel(DVec3::new(-sun.x, sun.y, sun.z)) < 1.0 && texel(DVec3::new(sun.x, sun.y, -sun.z)) < 1.0);
 }

@@ -9,9 +9,7 @@ use std::path::{Path, PathBuf};
 /// A glTF document of the triangles that `indices` makes of `positions`, in a data: URI.
 pub fn document(positions: &[[f32; 3]], indices: &[u32]) -> Value {
     let vertex_bytes = positions.iter().flatten().flat_map(|x| x.to_le_bytes());
-    let bytes: Vec<u8> = vertex_bytes
-        .chain(indices.iter().flat_map(|i| i.to_le_bytes()))
-        .collect();
+    let bytes: Vec<u8> = vertex_bytes.chain(indices.iter().flat_map(|i| i.to_le_bytes())).collect();
     json!({
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -32,10 +30,7 @@ pub fn document(positions: &[[f32; 3]], indices: &[u32]) -> Value {
 
 /// One triangle.
 pub fn triangle() -> Value {
-    document(
-        &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        &[0, 1, 2],
-    )
+    document(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[0, 1, 2])
 }
 
 /// One triangle with a material whose base colour texture is the image described by `image`.
@@ -49,37 +44,21 @@ pub fn textured(image: Value) -> Value {
 }
 
 /// Adds an accessor over bytes of its own and returns its index.
-pub fn accessor(
-    document: &mut Value,
-    bytes: &[u8],
-    component: u32,
-    kind: &str,
-    count: usize,
-) -> usize {
+pub fn accessor(document: &mut Value, bytes: &[u8], component: u32, kind: &str, count: usize) -> usize {
     let push = |list: &mut Value, element: Value| {
         let list = list.as_array_mut().unwrap();
         list.push(element);
         list.len() - 1
     };
-    let buffer = push(
-        &mut document["buffers"],
-        json!({"byteLength": bytes.len(), "uri": data_uri(bytes)}),
-    );
-    let view = push(
-        &mut document["bufferViews"],
-        json!({"buffer": buffer, "byteLength": bytes.len()}),
-    );
-    let accessor =
-        json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
+    let buffer = push(&mut document["buffers"], json!({"byteLength": bytes.len(), "uri": data_uri(bytes)}));
+    let view = push(&mut document["bufferViews"], json!({"buffer": buffer, "byteLength": bytes.len()}));
+    let accessor = json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
     push(&mut document["accessors"], accessor)
 }
 
 /// Bytes as a URI.
 pub fn data_uri(bytes: &[u8]) -> String {
-    format!(
-        "data:application/octet-stream;base64,{}",
-        STANDARD.encode(bytes)
-    )
+    format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))
 }
 
 /// A document wrapped as GLB.
@@ -112,12 +91,7 @@ pub fn check(scene: &Scene) {
     for mesh in &scene.meshes {
         let vertices = mesh.positions.len();
         assert!(mesh.material < scene.materials.len());
-        assert!(
-            mesh.triangles
-                .iter()
-                .flatten()
-                .all(|&i| (i as usize) < vertices)
-        );
+        assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < vertices));
         assert!(mesh.positions.iter().all(|p| p.is_finite()));
         if let Some(normals) = &mesh.normals {
             assert!(normals.len() == vertices && normals.iter().all(|n| n.is_finite()));
@@ -133,33 +107,20 @@ pub fn check(scene: &Scene) {
         }
     }
     for material in &scene.materials {
-        let numbers = [
-            &material.base_color[..],
-            &material.emissive,
-            &material.specular_color,
-        ];
+        let numbers = [&material.base_color[..], &material.emissive, &material.specular_color];
         assert!(numbers.concat().iter().all(|x| x.is_finite() && *x >= 0.0));
         assert!(material.ior == 0.0 || material.ior >= 1.0);
-        assert!(
-            material
-                .textures()
-                .all(|t| t.texture < scene.textures.len() && t.uv_set < 2)
-        );
+        assert!(material.textures().all(|t| t.texture < scene.textures.len() && t.uv_set < 2));
     }
     for texture in &scene.textures {
         assert!(!matches!(texture.source, TextureSource::Image(i) if i >= scene.images.len()));
     }
     for image in &scene.images {
-        assert_eq!(
-            image.rgba.len() as u64,
-            u64::from(image.width) * u64::from(image.height)
-        );
+        assert_eq!(image.rgba.len() as u64, u64::from(image.width) * u64::from(image.height));
         assert!(!image.rgba.is_empty());
     }
     for camera in &scene.cameras {
-        assert!(
-            camera.to_world.is_finite() && camera.yfov > 0.0 && camera.yfov < std::f64::consts::PI
-        );
+        assert!(camera.to_world.is_finite() && camera.yfov > 0.0 && camera.yfov < std::f64::consts::PI);
         assert!(camera.film_or_default().0 > 0 && camera.film_or_default().1 > 0);
     }
     for light in &scene.lights {
@@ -167,16 +128,8 @@ pub fn check(scene: &Scene) {
         assert!(light.intensity.iter().all(|x| x.is_finite() && *x >= 0.0));
     }
     if let Some(sky) = &scene.environment {
-        assert_eq!(
-            sky.radiance.len() as u64,
-            u64::from(sky.width) * u64::from(sky.height)
-        );
-        assert!(
-            sky.radiance
-                .iter()
-                .flatten()
-                .all(|x| x.is_finite() && *x >= 0.0)
-        );
+        assert_eq!(sky.radiance.len() as u64, u64::from(sky.width) * u64::from(sky.height));
+        assert!(sky.radiance.iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
         assert!(sky.intensity.is_finite() && sky.intensity >= 0.0 && sky.rotation_deg.is_finite());
     }
 }

@@ -36,13 +36,10 @@ fn load_changed(folder: &Path, change: impl FnOnce(&mut Value)) -> Error {
 fn every_error_says_who_where_and_what_to_do() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path();
-    let camera =
-        |name: &str, scene: &str| Scene::load(scene).unwrap().camera_named(name).unwrap_err();
+    let camera = |name: &str, scene: &str| Scene::load(scene).unwrap().camera_named(name).unwrap_err();
     let sound = write(folder, "sound.gltf", triangle().to_string());
     let set_environment = |file: &str, intensity, rotation| {
-        Scene::default()
-            .set_environment(folder.join(file), intensity, rotation)
-            .unwrap_err()
+        Scene::default().set_environment(folder.join(file), intensity, rotation).unwrap_err()
     };
     let cases = [
         (
@@ -53,15 +50,9 @@ fn every_error_says_who_where_and_what_to_do() {
             Scene::load("/dev/zero").unwrap_err(),
             "/dev/zero: cannot be read: not a regular file; check the path and its permissions",
         ),
+        (camera("left", "builtin:empty"), "camera \"left\": the scene has no camera of that name; there are camera"),
         (
-            camera("left", "builtin:empty"),
-            "camera \"left\": the scene has no camera of that name; there are camera",
-        ),
-        (
-            Scene::load(&sound)
-                .unwrap()
-                .camera_named("left")
-                .unwrap_err(),
+            Scene::load(&sound).unwrap().camera_named("left").unwrap_err(),
             "camera \"left\": the scene has no camera; leave the name out to frame the whole scene",
         ),
         (
@@ -90,25 +81,11 @@ fn every_error_says_who_where_and_what_to_do() {
             "DIR/s.gltf: extensionsRequired: FOO_bar is required but unknown to Jerboa; export without it",
         ),
         (
-            Scene::load_within(
-                &sound,
-                &Limits {
-                    file_bytes: 10,
-                    ..Limits::default()
-                },
-            )
-            .unwrap_err(),
+            Scene::load_within(&sound, &Limits { file_bytes: 10, ..Limits::default() }).unwrap_err(),
             "DIR/sound.gltf: a file of SIZE bytes exceeds the limit of 10 (file_bytes); make it smaller or raise the limit",
         ),
         (
-            Scene::load_within(
-                &sound,
-                &Limits {
-                    geometry_bytes: 40,
-                    ..Limits::default()
-                },
-            )
-            .unwrap_err(),
+            Scene::load_within(&sound, &Limits { geometry_bytes: 40, ..Limits::default() }).unwrap_err(),
             "DIR/sound.gltf: accessors[1]: the geometry up to here, 3 elements of 4 bytes more, \
              exceeds the limit of 40 bytes in all (geometry_bytes); make it smaller or raise the limit",
         ),
@@ -124,21 +101,13 @@ fn every_error_says_who_where_and_what_to_do() {
     let mut seen: HashSet<_> = cases.iter().map(|(error, _)| variant(error)).collect();
     let size = std::fs::metadata(&sound).unwrap().len().to_string();
     for (error, expected) in cases {
-        let said = error
-            .to_string()
-            .replace(&folder.display().to_string(), "DIR")
-            .replace(&size, "SIZE");
+        let said = error.to_string().replace(&folder.display().to_string(), "DIR").replace(&size, "SIZE");
         assert_eq!(said, expected);
     }
     let unknown = Scene::load("builtin:nothing").unwrap_err();
     seen.insert(variant(&unknown));
     let said = unknown.to_string();
-    assert!(
-        said.starts_with(
-            "builtin:nothing: no such built-in scene; there are cornell-box, far-away, "
-        ),
-        "{said}"
-    );
+    assert!(said.starts_with("builtin:nothing: no such built-in scene; there are cornell-box, far-away, "), "{said}");
     assert_eq!(seen.len(), VARIANTS, "{seen:?}");
 }
 
@@ -147,85 +116,26 @@ fn every_error_says_who_where_and_what_to_do() {
 fn every_limit_is_kept() {
     let png = {
         let mut bytes = std::io::Cursor::new(Vec::new());
-        image::RgbImage::new(8, 4)
-            .write_to(&mut bytes, image::ImageFormat::Png)
-            .unwrap();
+        image::RgbImage::new(8, 4).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
         bytes.into_inner()
     };
     let mut document = textured(json!({"uri": data_uri(&png)}));
     document["nodes"] = json!([{"mesh": 0, "children": [1]}, {"mesh": 0}]);
-    document["accessors"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("bufferView");
+    document["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let folder = tempfile::tempdir().unwrap();
     let file = write(folder.path(), "s.gltf", document.to_string());
     let all = Limits::default;
     Scene::load_within(&file, &all()).unwrap();
     for (name, limits) in [
-        (
-            "file_bytes",
-            Limits {
-                file_bytes: 100,
-                ..all()
-            },
-        ),
-        (
-            "json_values",
-            Limits {
-                json_values: 10,
-                ..all()
-            },
-        ),
-        (
-            "node_depth",
-            Limits {
-                node_depth: 1,
-                ..all()
-            },
-        ),
-        (
-            "instances",
-            Limits {
-                instances: 1,
-                ..all()
-            },
-        ),
-        (
-            "geometry_bytes",
-            Limits {
-                geometry_bytes: 47,
-                ..all()
-            },
-        ),
-        (
-            "zero_elements",
-            Limits {
-                zero_elements: 2,
-                ..all()
-            },
-        ),
-        (
-            "image_side",
-            Limits {
-                image_side: 7,
-                ..all()
-            },
-        ),
-        (
-            "image_bytes",
-            Limits {
-                image_bytes: 127,
-                ..all()
-            },
-        ),
-        (
-            "images_bytes",
-            Limits {
-                images_bytes: 127,
-                ..all()
-            },
-        ),
+        ("file_bytes", Limits { file_bytes: 100, ..all() }),
+        ("json_values", Limits { json_values: 10, ..all() }),
+        ("node_depth", Limits { node_depth: 1, ..all() }),
+        ("instances", Limits { instances: 1, ..all() }),
+        ("geometry_bytes", Limits { geometry_bytes: 47, ..all() }),
+        ("zero_elements", Limits { zero_elements: 2, ..all() }),
+        ("image_side", Limits { image_side: 7, ..all() }),
+        ("image_bytes", Limits { image_bytes: 127, ..all() }),
+        ("images_bytes", Limits { images_bytes: 127, ..all() }),
     ] {
         match Scene::load_within(&file, &limits) {
             Err(Error::Limit { limit, .. }) => assert!(limit.contains(name), "{name}: {limit}"),

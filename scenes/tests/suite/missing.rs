@@ -12,25 +12,15 @@ fn messages(warnings: &[Warning]) -> Vec<String> {
 #[test]
 fn without_camera_and_light() {
     let scene = load(&triangle()).unwrap();
-    let expected = [
-        "the scene has no camera: the whole scene is framed",
-        "the scene has no light: the image will be black",
-    ];
+    let expected =
+        ["the scene has no camera: the whole scene is framed", "the scene has no light: the image will be black"];
     assert_eq!(messages(&scene.all_warnings()), expected);
     // The whole box is in view: every corner is inside the cone about the axis.
     let camera = scene.camera_or_default();
     let (low, high) = scene.bounds().unwrap();
-    for corner in [
-        low,
-        high,
-        DVec3::new(low.x, high.y, low.z),
-        DVec3::new(high.x, low.y, low.z),
-    ] {
+    for corner in [low, high, DVec3::new(low.x, high.y, low.z), DVec3::new(high.x, low.y, low.z)] {
         let direction = (corner - camera.position()).normalize();
-        assert!(
-            direction.dot(camera.forward()).acos() <= camera.yfov / 2.0 + 1e-9,
-            "{corner}"
-        );
+        assert!(direction.dot(camera.forward()).acos() <= camera.yfov / 2.0 + 1e-9, "{corner}");
     }
 }
 
@@ -47,10 +37,9 @@ fn a_missing_texture_is_white() {
     let scene = load(&textured(json!({"uri": "nowhere.png"}))).unwrap();
     check(&scene);
     assert_eq!(scene.materials[0].base_color_texture, None);
-    let [warning] = &messages(&scene.warnings)[..] else {
-        panic!("{:?}", scene.warnings)
-    };
-    let expected = "images[0]: \"nowhere.png\" cannot be read: No such file or directory (os error 2): white is used instead";
+    let [warning] = &messages(&scene.warnings)[..] else { panic!("{:?}", scene.warnings) };
+    let expected =
+        "images[0]: \"nowhere.png\" cannot be read: No such file or directory (os error 2): white is used instead";
     assert_eq!(warning, expected);
 }
 
@@ -75,8 +64,17 @@ fn warnings_are_counted() {
         primitives.last_mut().unwrap()["mode"] = json!(1);
     }
     let scene = load(&d).unwrap();
-    assert_eq!(
-        messages(&scene.warnings),
-        ["meshes[0].primitives[1]: points and lines are left out (3 times)"]
-    );
+    let expected = "meshes[0].primitives[1]: a primitive of points, of lines or without POSITION is left out (3 times)";
+    assert_eq!(messages(&scene.warnings), [expected]);
+}
+
+#[test]
+fn warnings_do_not_pile_up() {
+    let mut d = triangle();
+    d["extensionsUsed"] = (0..500).map(|i| format!("FOO_{i}")).collect();
+    let scene = load(&d).unwrap();
+    assert_eq!(scene.warnings.len(), 101);
+    assert_eq!(scene.warnings[0].to_string(), "extensionsUsed[0]: FOO_0 is unknown and ignored");
+    let last = scene.warnings[100].to_string();
+    assert_eq!(last, "extensionsUsed[100]: further warnings are only counted (400 times)");
 }

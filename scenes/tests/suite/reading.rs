@@ -40,10 +40,7 @@ fn transforms_compose_in_double_precision() {
     let to_world = load(&d).unwrap().instances[0].to_world;
     // (1/8, 1/4, 1/2) scaled (1/4, 3/4, 2), turned a quarter about Z (-3/4, 1/4, 2), moved.
     let expected = DVec3::new(1000000.3 - 0.75, 0.25, 2.0);
-    assert!(
-        (to_world.transform_point3(DVec3::ZERO) - expected).length() < 1e-9,
-        "{to_world}"
-    );
+    assert!((to_world.transform_point3(DVec3::ZERO) - expected).length() < 1e-9, "{to_world}");
     assert!((to_world.transform_vector3(DVec3::X) - DVec3::Y * 2.0).length() < 1e-12);
 }
 
@@ -65,49 +62,25 @@ fn strips_and_fans_keep_their_winding() {
     let positions = [0.0, 1.0, 2.0, 3.0, 4.0].map(|x| [x, x * x, 0.0]);
     let mut d = document(&positions, &[0, 1, 2, 3, 4]);
     d["meshes"][0]["primitives"][0]["mode"] = json!(5);
-    assert_eq!(
-        load(&d).unwrap().meshes[0].triangles,
-        [[0, 1, 2], [1, 3, 2], [2, 3, 4]]
-    );
+    assert_eq!(load(&d).unwrap().meshes[0].triangles, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
     d["meshes"][0]["primitives"][0]["mode"] = json!(6);
-    assert_eq!(
-        load(&d).unwrap().meshes[0].triangles,
-        [[1, 2, 0], [2, 3, 0], [3, 4, 0]]
-    );
+    assert_eq!(load(&d).unwrap().meshes[0].triangles, [[1, 2, 0], [2, 3, 0], [3, 4, 0]]);
 }
 
 #[test]
 fn without_indices_the_corners_are_in_order() {
     let mut d = triangle();
-    d["meshes"][0]["primitives"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("indices");
+    d["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("indices");
     assert_eq!(load(&d).unwrap().meshes[0].triangles, [[0, 1, 2]]);
 }
 
 #[test]
 fn attributes_of_every_kind() {
     let mut d = triangle();
-    let normals = accessor(
-        &mut d,
-        &le(&[0., 0., 1., 0., 0., 1., 0., 0., 1.]),
-        5126,
-        "VEC3",
-        3,
-    );
-    let tangents = accessor(
-        &mut d,
-        &le(&[1., 0., 0., -1., 1., 0., 0., -1., 1., 0., 0., -1.]),
-        5126,
-        "VEC4",
-        3,
-    );
+    let normals = accessor(&mut d, &le(&[0., 0., 1., 0., 0., 1., 0., 0., 1.]), 5126, "VEC3", 3);
+    let tangents = accessor(&mut d, &le(&[1., 0., 0., -1., 1., 0., 0., -1., 1., 0., 0., -1.]), 5126, "VEC4", 3);
     let uv0 = accessor(&mut d, &[0, 0, 255, 0, 51, 102], 5121, "VEC2", 3);
-    let shorts: Vec<u8> = [0u16, 0, 65535, 0, 13107, 26214]
-        .iter()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
+    let shorts: Vec<u8> = [0u16, 0, 65535, 0, 13107, 26214].iter().flat_map(|x| x.to_le_bytes()).collect();
     let uv1 = accessor(&mut d, &shorts, 5123, "VEC2", 3);
     let colors = accessor(&mut d, &[255, 0, 0, 0, 255, 0, 0, 0, 51], 5121, "VEC3", 3);
     for normalized in [uv0, uv1, colors] {
@@ -130,9 +103,7 @@ fn attributes_of_every_kind() {
 fn interleaved_and_sparse() {
     let mut d = triangle();
     // Position and normal in turn: stride 24.
-    let floats = [
-        0., 0., 0., 0., 0., 1., 1., 0., 0., 0., 1., 0., 0., 1., 0., 1., 0., 0.,
-    ];
+    let floats = [0., 0., 0., 0., 0., 1., 1., 0., 0., 0., 1., 0., 0., 1., 0., 1., 0., 0.];
     let a = accessor(&mut d, &le(&floats), 5126, "VEC3", 3);
     let view = d["accessors"][a]["bufferView"].as_u64().unwrap() as usize;
     d["bufferViews"][view]["byteStride"] = json!(24);
@@ -173,15 +144,9 @@ fn quantized_positions_need_the_extension() {
     assert!(load(&d).is_err());
     d["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     d["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    assert_eq!(
-        load(&d).unwrap().meshes[0].positions[1..],
-        [vec3(127.0, 0.0, 0.0), vec3(0.0, -127.0, 0.0)]
-    );
+    assert_eq!(load(&d).unwrap().meshes[0].positions[1..], [vec3(127.0, 0.0, 0.0), vec3(0.0, -127.0, 0.0)]);
     d["accessors"][a]["normalized"] = json!(true);
-    assert_eq!(
-        load(&d).unwrap().meshes[0].positions[1..],
-        [Vec3::X, Vec3::NEG_Y]
-    );
+    assert_eq!(load(&d).unwrap().meshes[0].positions[1..], [Vec3::X, Vec3::NEG_Y]);
 }
 
 #[test]
@@ -191,10 +156,7 @@ fn a_mesh_is_read_once_and_instanced() {
     d["scenes"][0]["nodes"] = json!([0, 1]);
     let scene = load(&d).unwrap();
     assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2));
-    assert_eq!(
-        scene.bounds(),
-        Some((DVec3::ZERO, DVec3::new(2.0, 3.0, 3.0)))
-    );
+    assert_eq!(scene.bounds(), Some((DVec3::ZERO, DVec3::new(2.0, 3.0, 3.0))));
 }
 
 #[test]
@@ -224,56 +186,18 @@ fn a_material_with_everything() {
     let scene = load(&d).unwrap();
     check(&scene);
     let m = &scene.materials[0];
-    assert_eq!(
-        (m.base_color, m.metallic, m.roughness),
-        ([0.1, 0.2, 0.3, 0.4], 0.5, 0.25)
-    );
-    assert_eq!(
-        m.base_color_texture,
-        Some(TextureRef {
-            texture: 0,
-            uv_set: 0,
-            transform: None
-        })
-    );
-    let transform = Some(UvTransform {
-        offset: [0.5, 0.25],
-        rotation: 1.5,
-        scale: [2.0, 3.0],
-    });
-    assert_eq!(
-        m.metallic_roughness_texture,
-        Some(TextureRef {
-            texture: 1,
-            uv_set: 1,
-            transform
-        })
-    );
+    assert_eq!((m.base_color, m.metallic, m.roughness), ([0.1, 0.2, 0.3, 0.4], 0.5, 0.25));
+    assert_eq!(m.base_color_texture, Some(TextureRef { texture: 0, uv_set: 0, transform: None }));
+    let transform = Some(UvTransform { offset: [0.5, 0.25], rotation: 1.5, scale: [2.0, 3.0] });
+    assert_eq!(m.metallic_roughness_texture, Some(TextureRef { texture: 1, uv_set: 1, transform }));
     assert_eq!((m.normal_scale, m.emissive), (0.5, [8.0, 4.0, 0.0]));
-    assert_eq!(
-        (m.alpha_mode, m.double_sided, m.unlit, m.ior),
-        (AlphaMode::Mask(0.5), true, true, 1.75)
-    );
-    assert_eq!(
-        (m.specular, m.specular_color, m.transmission),
-        (0.5, [2.0, 1.0, 1.0], 0.75)
-    );
+    assert_eq!((m.alpha_mode, m.double_sided, m.unlit, m.ior), (AlphaMode::Mask(0.5), true, true, 1.75));
+    assert_eq!((m.specular, m.specular_color, m.transmission), (0.5, [2.0, 1.0, 1.0], 0.75));
     let volume = m.volume.unwrap();
-    assert_eq!(
-        (volume.attenuation_distance, volume.attenuation_color),
-        (3.0, [1.0, 0.5, 0.25])
-    );
-    let [plain, sampled] = &scene.textures[..] else {
-        panic!("{} textures", scene.textures.len())
-    };
-    assert_eq!(
-        (plain.wrap_s, plain.wrap_t, plain.filter),
-        (Wrap::Repeat, Wrap::Repeat, Filter::Bilinear)
-    );
-    assert_eq!(
-        (sampled.wrap_s, sampled.wrap_t, sampled.filter),
-        (Wrap::Mirror, Wrap::Clamp, Filter::Nearest)
-    );
+    assert_eq!((volume.attenuation_distance, volume.attenuation_color), (3.0, [1.0, 0.5, 0.25]));
+    let [plain, sampled] = &scene.textures[..] else { panic!("{} textures", scene.textures.len()) };
+    assert_eq!((plain.wrap_s, plain.wrap_t, plain.filter), (Wrap::Repeat, Wrap::Repeat, Filter::Bilinear));
+    assert_eq!((sampled.wrap_s, sampled.wrap_t, sampled.filter), (Wrap::Mirror, Wrap::Clamp, Filter::Nearest));
     // One image, used twice, with its eight bits untouched.
     assert_eq!(scene.images.len(), 1);
     assert_eq!(scene.images[0].rgba, [[10, 20, 30, 40]]);
@@ -283,9 +207,7 @@ fn a_material_with_everything() {
 
 fn png(rgba: [u8; 4]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    image::RgbaImage::from_pixel(1, 1, image::Rgba(rgba))
-        .write_to(&mut bytes, image::ImageFormat::Png)
-        .unwrap();
+    image::RgbaImage::from_pixel(1, 1, image::Rgba(rgba)).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()
 }
 
@@ -313,64 +235,42 @@ fn cameras_and_lights() {
     let scene = load(&d).unwrap();
     check(&scene);
     let wide = scene.camera_named("wide").unwrap();
-    assert_eq!(
-        (wide.yfov, wide.aspect, wide.film_or_default()),
-        (1.25, Some(2.0), (1280, 640))
-    );
-    assert_eq!(
-        (wide.position(), wide.forward()),
-        (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z)
-    );
+    assert_eq!((wide.yfov, wide.aspect, wide.film_or_default()), (1.25, Some(2.0), (1280, 640)));
+    assert_eq!((wide.position(), wide.forward()), (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z));
     let side = scene.camera_named("node name").unwrap();
     assert_eq!(side.film_or_default(), (300, 200));
     // A quarter about +Y takes -Z to -X.
     assert!((side.forward() - DVec3::NEG_X).length() < 1e-12);
-    assert_eq!(
-        (scene.lights[0].kind, scene.lights[0].intensity),
-        (LightKind::Point, [4.0, 2.0, 1.0])
-    );
+    assert_eq!((scene.lights[0].kind, scene.lights[0].intensity), (LightKind::Point, [4.0, 2.0, 1.0]));
     assert_eq!(scene.lights[0].position(), DVec3::new(4.0, 5.0, 6.0));
     let outer = std::f32::consts::FRAC_PI_4;
     assert_eq!(scene.lights[1].kind, LightKind::Spot { inner: 0.25, outer });
-    assert_eq!(
-        (scene.lights[2].kind, scene.lights[2].intensity),
-        (LightKind::Directional, [2.0; 3])
-    );
+    assert_eq!((scene.lights[2].kind, scene.lights[2].intensity), (LightKind::Directional, [2.0; 3]));
     assert!((scene.lights[2].direction() - DVec3::NEG_Y).length() < 1e-12);
 }
 
 /// A Radiance file of 2 x 1 texels: (1, 2, 4) and the smallest exponent.
 fn hdr() -> Vec<u8> {
     let texels = [32, 64, 128, 131, 255, 1, 0, 1];
-    [
-        &b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"[..],
-        &texels,
-    ]
-    .concat()
+    [&b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"[..], &texels].concat()
 }
 
 #[test]
 fn environments() {
     let folder = tempfile::tempdir().unwrap();
     let mut d = triangle();
-    d["scenes"][0]["extras"] =
-        json!({"environment": {"uri": "my%20sky.hdr", "intensity": 2, "rotation_deg": 90}});
+    d["scenes"][0]["extras"] = json!({"environment": {"uri": "my%20sky.hdr", "intensity": 2, "rotation_deg": 90}});
     write(folder.path(), "my sky.hdr", hdr());
     let mut scene = Scene::load(write(folder.path(), "scene.gltf", d.to_string())).unwrap();
     check(&scene);
     let sky = scene.environment.clone().unwrap();
-    assert_eq!(
-        (sky.width, sky.height, sky.intensity, sky.rotation_deg),
-        (2, 1, 2.0, 90.0)
-    );
+    assert_eq!((sky.width, sky.height, sky.intensity, sky.rotation_deg), (2, 1, 2.0, 90.0));
     // mantissa x 2^(e - 136), exactly.
     let tiny = 2f32.powi(-126) * 2f32.powi(-9);
     assert_eq!(sky.radiance, [[1.0, 2.0, 4.0], [255.0 * tiny, tiny, 0.0]]);
 
     let exr = folder.path().join("sky.exr");
-    image::Rgb32FImage::from_fn(2, 1, |x, _| image::Rgb([x as f32, f32::NAN, -1.0]))
-        .save(&exr)
-        .unwrap();
+    image::Rgb32FImage::from_fn(2, 1, |x, _| image::Rgb([x as f32, f32::NAN, -1.0])).save(&exr).unwrap();
     scene.set_environment(&exr, 3.0, 45.0).unwrap();
     check(&scene);
     let sky = scene.environment.clone().unwrap();
@@ -385,15 +285,9 @@ fn files_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("data")).unwrap();
     let mut d = triangle();
-    let bytes = le(&[0., 0., 0., 1., 0., 0., 0., 1., 0.])
-        .into_iter()
-        .chain([0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+    let bytes = le(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]).into_iter().chain([0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
     write(folder.path(), "data/ä b.bin", bytes.collect::<Vec<u8>>());
-    for uri in [
-        "data/ä b.bin",
-        "data/%C3%A4%20b.bin",
-        "./data/../data/ä b.bin",
-    ] {
+    for uri in ["data/ä b.bin", "data/%C3%A4%20b.bin", "./data/../data/ä b.bin"] {
         d["buffers"][0]["uri"] = json!(uri);
         let scene = Scene::load(write(folder.path(), "scene.gltf", d.to_string())).unwrap();
         assert_eq!(scene.triangle_count(), 1);

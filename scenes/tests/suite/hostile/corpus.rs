@@ -20,19 +20,14 @@ pub fn cases() -> Vec<(String, Vec<u8>)> {
 pub fn triangle_bytes() -> Vec<u8> {
     let floats = [0f32, 0., 0., 1., 0., 0., 0., 1., 0.];
     let indices = [0u32, 1, 2];
-    floats
-        .iter()
-        .flat_map(|x| x.to_le_bytes())
-        .chain(indices.iter().flat_map(|i| i.to_le_bytes()))
-        .collect()
+    floats.iter().flat_map(|x| x.to_le_bytes()).chain(indices.iter().flat_map(|i| i.to_le_bytes())).collect()
 }
 
 struct Corpus(Vec<(String, Vec<u8>)>);
 
 impl Corpus {
     fn add(&mut self, name: &str, document: Value) {
-        self.0
-            .push((format!("{name}.gltf"), document.to_string().into_bytes()));
+        self.0.push((format!("{name}.gltf"), document.to_string().into_bytes()));
     }
 
     /// The triangle, changed.
@@ -46,123 +41,63 @@ impl Corpus {
         let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
         self.add("control", triangle());
         self.add("index-out-of-range", document(&corners, &[0, 1, 99]));
-        self.add(
-            "nan-corner",
-            document(
-                &[[f32::NAN, 0., 0.], [1., 0., 0.], [0., f32::INFINITY, 0.]],
-                &[0, 1, 2],
-            ),
-        );
+        self.add("nan-corner", document(&[[f32::NAN, 0., 0.], [1., 0., 0.], [0., f32::INFINITY, 0.]], &[0, 1, 2]));
         self.vary("nan-normal", |d| {
-            let bytes = [f32::NAN; 9]
-                .iter()
-                .flat_map(|x| x.to_le_bytes())
-                .collect::<Vec<u8>>();
+            let bytes = [f32::NAN; 9].iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
             let a = accessor(d, &bytes, 5126, "VEC3", 3);
             d["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(a);
         });
         self.add("degenerate", document(&[[0.; 3]; 3], &[0, 1, 2]));
-        self.vary("position-out-of-range", |d| {
-            d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(77)
-        });
-        self.vary("position-scalar", |d| {
-            d["accessors"][0]["type"] = json!("SCALAR")
-        });
-        self.vary("position-matrix", |d| {
-            d["accessors"][0]["type"] = json!("MAT4")
-        });
-        self.vary("position-u8", |d| {
-            d["accessors"][0]["componentType"] = json!(5121)
-        });
-        self.vary("component-type-9", |d| {
-            d["accessors"][0]["componentType"] = json!(9)
-        });
-        self.vary("index-float", |d| {
-            d["accessors"][1]["componentType"] = json!(5126)
-        });
+        self.vary("position-out-of-range", |d| d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(77));
+        self.vary("position-scalar", |d| d["accessors"][0]["type"] = json!("SCALAR"));
+        self.vary("position-matrix", |d| d["accessors"][0]["type"] = json!("MAT4"));
+        self.vary("position-u8", |d| d["accessors"][0]["componentType"] = json!(5121));
+        self.vary("component-type-9", |d| d["accessors"][0]["componentType"] = json!(9));
+        self.vary("index-float", |d| d["accessors"][1]["componentType"] = json!(5126));
         self.vary("normals-too-few", |d| {
             let a = accessor(d, &[0; 24], 5126, "VEC3", 2);
             d["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(a);
         });
-        self.vary("points", |d| {
-            d["meshes"][0]["primitives"][0]["mode"] = json!(0)
-        });
-        self.vary("mode-7", |d| {
-            d["meshes"][0]["primitives"][0]["mode"] = json!(7)
-        });
+        self.vary("points", |d| d["meshes"][0]["primitives"][0]["mode"] = json!(0));
+        self.vary("mode-7", |d| d["meshes"][0]["primitives"][0]["mode"] = json!(7));
         self.vary("two-corners", |d| d["accessors"][1]["count"] = json!(2));
-        self.vary("material-out-of-range", |d| {
-            d["meshes"][0]["primitives"][0]["material"] = json!(3)
-        });
+        self.vary("material-out-of-range", |d| d["meshes"][0]["primitives"][0]["material"] = json!(3));
         self.vary("no-attributes", |d| {
-            d["meshes"][0]["primitives"][0]
-                .as_object_mut()
-                .unwrap()
-                .remove("attributes");
+            d["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("attributes");
         });
-        self.vary("no-position", |d| {
-            d["meshes"][0]["primitives"][0]["attributes"] = json!({})
-        });
+        self.vary("no-position", |d| d["meshes"][0]["primitives"][0]["attributes"] = json!({}));
     }
 
     fn buffers(&mut self) {
         self.vary("count-0", |d| d["accessors"][0]["count"] = json!(0));
-        self.vary("count-4e9", |d| {
-            d["accessors"][0]["count"] = json!(4_000_000_000u64)
-        });
-        self.vary("count-max", |d| {
-            d["accessors"][0]["count"] = json!(u64::MAX)
-        });
+        self.vary("count-4e9", |d| d["accessors"][0]["count"] = json!(4_000_000_000u64));
+        self.vary("count-max", |d| d["accessors"][0]["count"] = json!(u64::MAX));
         self.vary("count-negative", |d| d["accessors"][0]["count"] = json!(-3));
         self.vary("count-3e8-without-view", |d| {
-            d["accessors"][0] =
-                json!({"componentType": 5126, "count": 300_000_000, "type": "VEC3"});
+            d["accessors"][0] = json!({"componentType": 5126, "count": 300_000_000, "type": "VEC3"});
         });
-        self.vary("offset-overflow", |d| {
-            d["bufferViews"][0]["byteOffset"] = json!(u64::MAX - 15)
-        });
-        self.vary("accessor-offset-overflow", |d| {
-            d["accessors"][0]["byteOffset"] = json!(u64::MAX - 15)
-        });
-        self.vary("view-too-long", |d| {
-            d["bufferViews"][0]["byteLength"] = json!(1_000_000_000)
-        });
-        self.vary("view-too-short", |d| {
-            d["bufferViews"][0]["byteLength"] = json!(35)
-        });
-        self.vary("buffer-too-long", |d| {
-            d["buffers"][0]["byteLength"] = json!(1_000_000_000)
-        });
+        self.vary("offset-overflow", |d| d["bufferViews"][0]["byteOffset"] = json!(u64::MAX - 15));
+        self.vary("accessor-offset-overflow", |d| d["accessors"][0]["byteOffset"] = json!(u64::MAX - 15));
+        self.vary("view-too-long", |d| d["bufferViews"][0]["byteLength"] = json!(1_000_000_000));
+        self.vary("view-too-short", |d| d["bufferViews"][0]["byteLength"] = json!(35));
+        self.vary("buffer-too-long", |d| d["buffers"][0]["byteLength"] = json!(1_000_000_000));
         self.vary("stride-1", |d| d["bufferViews"][0]["byteStride"] = json!(1));
-        self.vary("stride-max", |d| {
-            d["bufferViews"][0]["byteStride"] = json!(u64::MAX)
-        });
+        self.vary("stride-max", |d| d["bufferViews"][0]["byteStride"] = json!(u64::MAX));
         self.vary("no-uri", |d| d["buffers"][0] = json!({"byteLength": 48}));
         let sparse = |count: u64, values: Value| json!({"count": count, "indices": {"bufferView": 1, "componentType": 5125}, "values": values});
         self.vary("sparse-values-short", |d| {
-            d["bufferViews"]
-                .as_array_mut()
-                .unwrap()
-                .push(json!({"buffer": 0, "byteLength": 12}));
+            d["bufferViews"].as_array_mut().unwrap().push(json!({"buffer": 0, "byteLength": 12}));
             d["accessors"][0]["sparse"] = sparse(3, json!({"bufferView": 2}));
         });
-        self.vary("sparse-count-0", |d| {
-            d["accessors"][0]["sparse"] = sparse(0, json!({"bufferView": 0}))
-        });
-        self.vary("sparse-count-9", |d| {
-            d["accessors"][0]["sparse"] = sparse(9, json!({"bufferView": 0}))
-        });
+        self.vary("sparse-count-0", |d| d["accessors"][0]["sparse"] = sparse(0, json!({"bufferView": 0})));
+        self.vary("sparse-count-9", |d| d["accessors"][0]["sparse"] = sparse(9, json!({"bufferView": 0})));
         let which = |d: &mut Value, indices: &[u8]| {
             let a = accessor(d, indices, 5121, "SCALAR", indices.len());
             let view = d["accessors"][a]["bufferView"].clone();
             json!({"count": indices.len(), "indices": {"bufferView": view, "componentType": 5121}, "values": {"bufferView": 0}})
         };
-        self.vary("sparse-index-out-of-range", |d| {
-            d["accessors"][0]["sparse"] = which(d, &[0, 3])
-        });
-        self.vary("sparse-falling", |d| {
-            d["accessors"][0]["sparse"] = which(d, &[1, 0])
-        });
+        self.vary("sparse-index-out-of-range", |d| d["accessors"][0]["sparse"] = which(d, &[0, 3]));
+        self.vary("sparse-falling", |d| d["accessors"][0]["sparse"] = which(d, &[1, 0]));
         for (name, uri) in [
             ("uri-not-utf8", "%FF.bin"),
             ("uri-traversal", "../outside.bin"),
@@ -189,24 +124,18 @@ impl Corpus {
 
     fn images(&mut self) {
         self.vary("unused-images", |d| {
-            d["images"] = json!([{"bufferView": 0}, {}, {"bufferView": 99}, {"uri": "missing.png"}, {"uri": "/dev/zero"}]);
+            d["images"] =
+                json!([{"bufferView": 0}, {}, {"bufferView": 99}, {"uri": "missing.png"}, {"uri": "/dev/zero"}]);
         });
-        self.add(
-            "image-view-without-type",
-            textured(json!({"bufferView": 0})),
-        );
+        self.add("image-view-without-type", textured(json!({"bufferView": 0})));
         self.add("image-empty", textured(json!({})));
         let mut beyond = textured(json!({"bufferView": 2, "mimeType": "image/png"}));
         let view = json!({"buffer": 0, "byteOffset": 40, "byteLength": 100_000});
         beyond["bufferViews"].as_array_mut().unwrap().push(view);
         self.add("image-view-too-long", beyond);
         self.add("image-missing", textured(json!({"uri": "missing.png"})));
-        self.add(
-            "image-traversal",
-            textured(json!({"uri": "../outside.png"})),
-        );
-        let mut image =
-            |name: &str, bytes: &[u8]| self.add(name, textured(json!({"uri": data_uri(bytes)})));
+        self.add("image-traversal", textured(json!({"uri": "../outside.png"})));
+        let mut image = |name: &str, bytes: &[u8]| self.add(name, textured(json!({"uri": data_uri(bytes)})));
         image("png-60000", &png(60000, 60000, &[0; 100]));
         image("png-12000", &png(12000, 12000, &[0; 100]));
         image("png-16384-wide", &png(16385, 1, &[0; 100]));
@@ -217,9 +146,7 @@ impl Corpus {
         image("jpeg-cut-off", &[0xff, 0xd8, 0xff, 0xe0, 0, 16]);
         // Within the limits: 17 million texels in 90 kB.
         let mut bomb = std::io::Cursor::new(Vec::new());
-        image::GrayImage::new(4096, 4096)
-            .write_to(&mut bomb, image::ImageFormat::Png)
-            .unwrap();
+        image::GrayImage::new(4096, 4096).write_to(&mut bomb, image::ImageFormat::Png).unwrap();
         image("png-bomb-allowed", bomb.get_ref());
         let mut texture = textured(json!({}));
         texture["textures"] = json!([]);
@@ -230,13 +157,8 @@ impl Corpus {
         texture["textures"] = json!([{"source": 0, "sampler": 0}]);
         texture["samplers"] = json!([{"wrapS": 7}]);
         self.add("sampler-wrap-7", texture);
-        for (name, uri) in [
-            ("environment-device", "/dev/zero"),
-            ("environment-not-an-image", "control.gltf"),
-        ] {
-            self.vary(name, |d| {
-                d["scenes"][0]["extras"] = json!({"environment": {"uri": uri}})
-            });
+        for (name, uri) in [("environment-device", "/dev/zero"), ("environment-not-an-image", "control.gltf")] {
+            self.vary(name, |d| d["scenes"][0]["extras"] = json!({"environment": {"uri": uri}}));
         }
         let huge = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n";
         self.vary("environment-1e10-texels", |d| {
@@ -245,28 +167,13 @@ impl Corpus {
     }
 
     fn documents(&mut self) {
-        let mut raw = |name: &str, text: &str| {
-            self.0
-                .push((format!("{name}.gltf"), text.as_bytes().to_vec()))
-        };
+        let mut raw = |name: &str, text: &str| self.0.push((format!("{name}.gltf"), text.as_bytes().to_vec()));
         raw("empty", "");
         raw("not-json", "{\"asset\":");
         raw("deep", &"[".repeat(200_000));
-        let extras = format!(
-            "\"extras\":{}{},\"asset\"",
-            "[".repeat(200_000),
-            "]".repeat(200_000)
-        );
-        raw(
-            "deep-extras",
-            &triangle().to_string().replacen("\"asset\"", &extras, 1),
-        );
-        raw(
-            "number-1e400",
-            &triangle()
-                .to_string()
-                .replacen("\"count\":3", "\"count\":1e400", 1),
-        );
+        let extras = format!("\"extras\":{}{},\"asset\"", "[".repeat(200_000), "]".repeat(200_000));
+        raw("deep-extras", &triangle().to_string().replacen("\"asset\"", &extras, 1));
+        raw("number-1e400", &triangle().to_string().replacen("\"count\":3", "\"count\":1e400", 1));
         raw("many-values", &format!("[{}0]", "0,".repeat(9_000_000)));
         raw("a-number", "17");
         raw("bom", &format!("\u{feff}{}", triangle()));
@@ -277,41 +184,24 @@ impl Corpus {
             d["scene"] = json!(null);
         });
         self.vary("scene-out-of-range", |d| d["scene"] = json!(4));
-        self.vary("required-draco", |d| {
-            d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])
-        });
-        self.vary("required-unknown", |d| {
-            d["extensionsRequired"] = json!(["FOO_bar"])
-        });
+        self.vary("required-draco", |d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
+        self.vary("required-unknown", |d| d["extensionsRequired"] = json!(["FOO_bar"]));
         self.vary("used-unknown", |d| d["extensionsUsed"] = json!(["FOO_bar"]));
     }
 
     fn nodes(&mut self) {
         let mut nodes = |name: &str, nodes: Value| self.vary(name, |d| d["nodes"] = nodes);
-        nodes(
-            "cycle",
-            json!([{"mesh": 0, "children": [1]}, {"children": [0]}]),
-        );
+        nodes("cycle", json!([{"mesh": 0, "children": [1]}, {"children": [0]}]));
         nodes("own-child", json!([{"children": [0]}]));
-        let dag = (1..=60)
-            .map(|i| json!({"children": [i, i]}))
-            .chain([json!({"mesh": 0})]);
+        let dag = (1..=60).map(|i| json!({"children": [i, i]})).chain([json!({"mesh": 0})]);
         nodes("dag-of-60", dag.collect());
-        let chain = (1..=300_000)
-            .map(|i| json!({"children": [i]}))
-            .chain([json!({"mesh": 0})]);
+        let chain = (1..=300_000).map(|i| json!({"children": [i]})).chain([json!({"mesh": 0})]);
         nodes("chain-of-300000", chain.collect());
         nodes("child-out-of-range", json!([{"children": [9]}]));
         nodes("matrix-zero", json!([{"mesh": 0, "matrix": ([0; 16])}]));
-        nodes(
-            "matrix-projective",
-            json!([{"mesh": 0, "matrix": ([1; 16])}]),
-        );
+        nodes("matrix-projective", json!([{"mesh": 0, "matrix": ([1; 16])}]));
         nodes("matrix-short", json!([{"mesh": 0, "matrix": [1, 2, 3]}]));
-        nodes(
-            "scale-1e30",
-            json!([{"mesh": 0, "scale": [1e30, 1e30, 1e30]}]),
-        );
+        nodes("scale-1e30", json!([{"mesh": 0, "scale": [1e30, 1e30, 1e30]}]));
         nodes(
             "scale-1e30-twice",
             json!([{"scale": [1e30, 1e30, 1e30], "children": [1]}, {"mesh": 0, "scale": [1e30, 1e30, 1e30]}]),
@@ -326,10 +216,7 @@ impl Corpus {
             d["scene"] = json!(null);
             d["nodes"] = json!([{"children": [1]}, {"children": [0]}]);
         });
-        let mut far = document(
-            &[[3e38, 0., 0.], [-3e38, 0., 0.], [0., 3e38, 0.]],
-            &[0, 1, 2],
-        );
+        let mut far = document(&[[3e38, 0., 0.], [-3e38, 0., 0.], [0., 3e38, 0.]], &[0, 1, 2]);
         far["nodes"][0]["scale"] = json!([2, 2, 2]);
         self.add("corners-3e38-doubled", far);
     }
@@ -342,23 +229,15 @@ impl Corpus {
             });
         };
         let lens = |yfov: f64| json!({"yfov": yfov, "znear": 0});
-        camera(
-            "camera-fov-0",
-            json!({"type": "perspective", "perspective": lens(0.0)}),
-        );
-        camera(
-            "camera-fov-4",
-            json!({"type": "perspective", "perspective": lens(4.0)}),
-        );
+        camera("camera-fov-0", json!({"type": "perspective", "perspective": lens(0.0)}));
+        camera("camera-fov-4", json!({"type": "perspective", "perspective": lens(4.0)}));
         camera("camera-without-lens", json!({"type": "perspective"}));
         camera("camera-without-type", json!({"perspective": lens(1.0)}));
         camera(
             "camera-film-1e9",
             json!({"type": "perspective", "perspective": lens(1.0), "extras": {"width": 1e9, "height": 1}}),
         );
-        self.vary("camera-out-of-range", |d| {
-            d["nodes"][0]["camera"] = json!(1)
-        });
+        self.vary("camera-out-of-range", |d| d["nodes"][0]["camera"] = json!(1));
         let mut light = |name: &str, light: Value| {
             self.vary(name, |d| {
                 d["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
@@ -366,18 +245,9 @@ impl Corpus {
             });
         };
         light("light-spot-without-spot", json!({"type": "spot"}));
-        light(
-            "light-spot-inside-out",
-            json!({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}),
-        );
-        light(
-            "light-negative",
-            json!({"type": "point", "intensity": -1e38, "color": [1e38, 1e38, 1e38]}),
-        );
-        light(
-            "light-overflow",
-            json!({"type": "point", "intensity": 1e30, "color": [1e30, 1, 1]}),
-        );
+        light("light-spot-inside-out", json!({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}));
+        light("light-negative", json!({"type": "point", "intensity": -1e38, "color": [1e38, 1e38, 1e38]}));
+        light("light-overflow", json!({"type": "point", "intensity": 1e30, "color": [1e30, 1, 1]}));
         light("light-unknown", json!({"type": "laser"}));
         self.vary("light-out-of-range", |d| {
             d["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 5}});
@@ -385,8 +255,7 @@ impl Corpus {
     }
 
     fn containers(&mut self) {
-        let mut raw =
-            |name: &str, bytes: &[u8]| self.0.push((format!("{name}.glb"), bytes.to_vec()));
+        let mut raw = |name: &str, bytes: &[u8]| self.0.push((format!("{name}.glb"), bytes.to_vec()));
         let sound = glb(&triangle());
         let with = |at: usize, word: u32| {
             let mut bytes = sound.clone();
@@ -398,10 +267,7 @@ impl Corpus {
         raw("glb-length-max", &with(8, u32::MAX));
         raw("glb-version-1", &with(4, 1));
         raw("glb-chunk-max", &with(12, u32::MAX));
-        raw(
-            "glb-first-chunk-bin",
-            &with(16, u32::from_le_bytes(*b"BIN\0")),
-        );
+        raw("glb-first-chunk-bin", &with(16, u32::from_le_bytes(*b"BIN\0")));
         raw("glb-magic-only", b"glTF");
         raw("glb-cut-off", &sound[..sound.len() - 1]);
         raw("glb-trailing-bytes", &[&sound[..], b"trailing"].concat());
@@ -412,53 +278,26 @@ impl Corpus {
 fn png(width: u32, height: u32, data: &[u8]) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], body: &[u8]| {
         let checked = [&kind[..], body].concat();
-        [
-            &(body.len() as u32).to_be_bytes()[..],
-            &checked,
-            &crc32(&checked).to_be_bytes(),
-        ]
-        .concat()
+        [&(body.len() as u32).to_be_bytes()[..], &checked, &crc32(&checked).to_be_bytes()].concat()
     };
-    let header = [
-        &width.to_be_bytes()[..],
-        &height.to_be_bytes(),
-        &[8, 2, 0, 0, 0],
-    ]
-    .concat();
+    let header = [&width.to_be_bytes()[..], &height.to_be_bytes(), &[8, 2, 0, 0, 0]].concat();
     let size = data.len() as u16;
-    let stored = [
-        &[0x78, 0x01, 1][..],
-        &size.to_le_bytes(),
-        &(!size).to_le_bytes(),
-        data,
-        &adler32(data).to_be_bytes(),
-    ];
-    let chunks = [
-        chunk(b"IHDR", &header),
-        chunk(b"IDAT", &stored.concat()),
-        chunk(b"IEND", &[]),
-    ];
+    let stored =
+        [&[0x78, 0x01, 1][..], &size.to_le_bytes(), &(!size).to_le_bytes(), data, &adler32(data).to_be_bytes()];
+    let chunks = [chunk(b"IHDR", &header), chunk(b"IDAT", &stored.concat()), chunk(b"IEND", &[])];
     [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat()
 }
 
 /// PNG specification, annex D, bit by bit.
 fn crc32(bytes: &[u8]) -> u32 {
     let step = |c: u32, _| {
-        if c & 1 == 1 {
-            0xedb8_8320 ^ (c >> 1)
-        } else {
-            c >> 1
-        }
+        if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 }
     };
-    !bytes
-        .iter()
-        .fold(!0, |crc, b| (0..8).fold(crc ^ u32::from(*b), step))
+    !bytes.iter().fold(!0, |crc, b| (0..8).fold(crc ^ u32::from(*b), step))
 }
 
 /// RFC 1950, section 9.
 fn adler32(bytes: &[u8]) -> u32 {
-    let (a, b) = bytes.iter().fold((1, 0), |(a, b), x| {
-        ((a + u32::from(*x)) % 65521, (b + a + u32::from(*x)) % 65521)
-    });
+    let (a, b) = bytes.iter().fold((1, 0), |(a, b), x| ((a + u32::from(*x)) % 65521, (b + a + u32::from(*x)) % 65521));
     b << 16 | a
 }

@@ -21,24 +21,14 @@ fn in_child(errand: &str, seconds: u64) -> Result<(), String> {
     let child = Command::new("sh")
         .args(["-c", &limits])
         .arg(std::env::current_exe().unwrap())
-        .args([
-            "--exact",
-            "hostile::child",
-            "--nocapture",
-            "--test-threads=1",
-        ])
+        .args(["--exact", "hostile::child", "--nocapture", "--test-threads=1"])
         .env(ERRAND, errand)
         .env("RUST_BACKTRACE", "0")
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&child.stdout).into_owned()
-        + &String::from_utf8_lossy(&child.stderr);
-    if child.status.success() {
-        Ok(())
-    } else {
-        Err(format!("{}: {said}", child.status))
-    }
+    let said = String::from_utf8_lossy(&child.stdout).into_owned() + &String::from_utf8_lossy(&child.stderr);
+    if child.status.success() { Ok(()) } else { Err(format!("{}: {said}", child.status)) }
 }
 
 /// The child's side; without an errand it has nothing to do.
@@ -53,11 +43,7 @@ fn child() {
             std::fs::write(format!("{file}.outcome"), outcome).unwrap();
         }
         Some(("mutate", rest)) => {
-            let numbers: Vec<u64> = rest
-                .split(' ')
-                .take(2)
-                .map(|n| n.parse().unwrap())
-                .collect();
+            let numbers: Vec<u64> = rest.split(' ').take(2).map(|n| n.parse().unwrap()).collect();
             let folder = rest.splitn(3, ' ').nth(2).unwrap();
             mutate::run(numbers[0], numbers[1], Path::new(folder));
         }
@@ -71,11 +57,7 @@ fn outcome(file: &Path) -> String {
         Ok(scene) => {
             check(&scene);
             let warnings = scene.warnings.iter().map(|w| format!("; {w}"));
-            format!(
-                "ok, {} triangles{}",
-                scene.triangle_count(),
-                warnings.collect::<String>()
-            )
+            format!("ok, {} triangles{}", scene.triangle_count(), warnings.collect::<String>())
         }
         Err(error) => format!("error: {error}"),
     };
@@ -101,10 +83,8 @@ fn every_hostile_file_has_its_outcome() {
             Ok(()) => std::fs::read_to_string(format!("{}.outcome", file.display())).unwrap(),
             Err(complaint) => panic!("{name}: {complaint}"),
         };
-        text += &format!("{name}: {outcome}\n").replace(
-            &format!("{name}: error: {name}: "),
-            &format!("{name}: error: "),
-        );
+        text +=
+            &format!("{name}: {outcome}\n").replace(&format!("{name}: error: {name}: "), &format!("{name}: error: "));
     }
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(&golden, &text).unwrap();
@@ -119,8 +99,7 @@ fn every_hostile_file_has_its_outcome() {
 /// Sound files with a few random faults. `JERBOA_MUTATIONS` sets their number, `JERBOA_SEED` the first seed.
 #[test]
 fn mutated_files_do_no_harm() {
-    let number =
-        |name: &str, default: u64| std::env::var(name).map_or(default, |n| n.parse().unwrap());
+    let number = |name: &str, default: u64| std::env::var(name).map_or(default, |n| n.parse().unwrap());
     let (seed, count) = (number("JERBOA_SEED", 1), number("JERBOA_MUTATIONS", 2000));
     println!("seeds {seed} to {}", seed + count - 1);
     // Batches, so that the bound on time stays near that of a single file.
@@ -128,10 +107,7 @@ fn mutated_files_do_no_harm() {
     for first in (seed..seed + count).step_by(BATCH as usize) {
         let folder = tempfile::tempdir().unwrap();
         let size = BATCH.min(seed + count - first);
-        if let Err(complaint) = in_child(
-            &format!("mutate {first} {size} {}", folder.path().display()),
-            60,
-        ) {
+        if let Err(complaint) = in_child(&format!("mutate {first} {size} {}", folder.path().display()), 60) {
             let at = std::fs::read_to_string(folder.path().join("seed")).unwrap_or_default();
             panic!("JERBOA_SEED={at} JERBOA_MUTATIONS=1: {complaint}");
         }

@@ -12,11 +12,7 @@ pub fn run(first: u64, count: u64, folder: &Path) {
     let sound = Rich::new(&mut Random(first)).document();
     let scene = Scene::load(write(folder, "sound.gltf", sound.to_string())).unwrap();
     check(&scene);
-    assert!(
-        scene.warnings.is_empty() && scene.environment.is_some(),
-        "{:?}",
-        scene.warnings
-    );
+    assert!(scene.warnings.is_empty() && scene.environment.is_some(), "{:?}", scene.warnings);
     let mut loaded = 0;
     for seed in first..first + count {
         std::fs::write(folder.join("seed"), seed.to_string()).unwrap();
@@ -45,11 +41,7 @@ fn mutation(random: &mut Random) -> Vec<u8> {
                 let mut target = random.below(count(&document));
                 fault(&mut document, &mut target, random);
             }
-            if random.below(2) == 0 {
-                glb(&document)
-            } else {
-                document.to_string().into_bytes()
-            }
+            if random.below(2) == 0 { glb(&document) } else { document.to_string().into_bytes() }
         }
         // A bit of the file.
         2 => {
@@ -78,11 +70,7 @@ fn mutation(random: &mut Random) -> Vec<u8> {
 
 fn flip(bytes: &mut [u8], random: &mut Random) {
     let at = random.below(bytes.len());
-    bytes[at] ^= if random.below(2) == 0 {
-        1 << random.below(8)
-    } else {
-        random.below(256) as u8
-    };
+    bytes[at] ^= if random.below(2) == 0 { 1 << random.below(8) } else { random.below(256) as u8 };
 }
 
 /// Values in the tree, the root not counted.
@@ -139,7 +127,7 @@ fn evil(old: &Value, random: &mut Random) -> Value {
         json!([old, old, old]),
         json!({"bufferView": old}),
         json!(old.as_f64().unwrap_or(7.0) + 1.0),
-        json!(old.as_u64().unwrap_or(7) * 2),
+        json!(old.as_u64().unwrap_or(7).wrapping_mul(2)),
         json!(5121),
         json!(5123),
     ];
@@ -156,15 +144,11 @@ struct Rich {
 impl Rich {
     fn new(random: &mut Random) -> Self {
         let image = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP][random.below(3)];
-        let texels =
-            image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([x as u8 * 60, y as u8 * 60, 99]));
+        let texels = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([x as u8 * 60, y as u8 * 60, 99]));
         let sky = [ImageFormat::OpenExr, ImageFormat::Hdr][random.below(2)];
-        let radiance =
-            image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([x as f32, y as f32, 0.5]));
+        let radiance = image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([x as f32, y as f32, 0.5]));
         Rich {
-            vertices: (0..24)
-                .flat_map(|i| ((i * i % 7) as f32 * 0.25).to_le_bytes())
-                .collect(),
+            vertices: (0..24).flat_map(|i| ((i * i % 7) as f32 * 0.25).to_le_bytes()).collect(),
             image: encode(texels.into(), image),
             sky: encode(radiance.into(), sky),
         }
@@ -181,8 +165,7 @@ impl Rich {
             "indices": {"bufferView": d["accessors"][sparse]["bufferView"], "componentType": 5121},
             "values": {"bufferView": 0},
         });
-        d["meshes"][0]["primitives"][0]["attributes"] =
-            json!({"POSITION": 0, "NORMAL": normals, "TEXCOORD_0": uv});
+        d["meshes"][0]["primitives"][0]["attributes"] = json!({"POSITION": 0, "NORMAL": normals, "TEXCOORD_0": uv});
         d["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071}]);
         d["textures"][0]["sampler"] = json!(0);
         let texture = json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2], "rotation": 1}}});
@@ -197,15 +180,13 @@ impl Rich {
             "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2},
         });
         d["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}, "extras": {"width": 8, "height": 8}}]);
-        d["extensions"] =
-            json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]}});
+        d["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]}});
         d["nodes"] = json!([
             {"mesh": 0, "scale": [1, 2, 3], "children": [1, 2]},
             {"camera": 0, "translation": [1, 2, 3]},
             {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}},
         ]);
-        d["scenes"][0]["extras"] =
-            json!({"environment": {"uri": data_uri(&self.sky), "intensity": 2}});
+        d["scenes"][0]["extras"] = json!({"environment": {"uri": data_uri(&self.sky), "intensity": 2}});
         d
     }
 }
