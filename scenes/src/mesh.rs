@@ -33,8 +33,8 @@ pub struct Instance {
     /// Index into [`Scene::meshes`](crate::Scene::meshes).
     pub mesh: usize,
     /// Local to world, composed in double precision down the node tree, so that a scene far from the origin keeps its
-    /// detail once the camera's position is subtracted. Finite and invertible. A negative determinant mirrors the mesh
-    /// and so turns its winding round: the front stays the side it was in the local frame.
+    /// detail once the camera's position is subtracted. Finite and invertible. A negative determinant mirrors the mesh: the
+    /// front stays the side it was in the local frame, so (p1 − p0) × (p2 − p0) of the *world* positions must be negated.
     pub to_world: DAffine3,
 }
 

@@ -116,8 +116,12 @@ fn transform(node: &Json) -> Result<DAffine3, Error> {
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation))
 }
 
-/// Invertible, and finite also once rounded to single precision.
+/// Finite, and with axes that are neither flat nor too short, also once rounded to single precision.
 fn usable(to_world: &DAffine3) -> bool {
     let finite = to_world.to_cols_array().iter().all(|x| (*x as f32).is_finite());
-    finite && to_world.matrix3.determinant().is_normal() && to_world.inverse().is_finite()
+    let axes = [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis];
+    let long = axes.iter().all(|a| a.length() >= f64::from(f32::MIN_POSITIVE));
+    // The determinant itself could underflow at scales that are sound.
+    let [x, y, z] = axes.map(|a| a.normalize_or_zero());
+    finite && long && x.cross(y).dot(z) != 0.0 && to_world.inverse().is_finite()
 }

@@ -208,6 +208,8 @@ impl Corpus {
         );
         nodes("scale-1e39", json!([{"mesh": 0, "scale": [1e39, 1, 1]}]));
         nodes("scale-0", json!([{"mesh": 0, "scale": [1, 0, 1]}]));
+        nodes("scale-1e-300", json!([{"mesh": 0, "scale": [1, 1, 1e-300]}]));
+        nodes("scale-1e-30", json!([{"mesh": 0, "scale": [1e-30, 1e-30, 1e-30]}]));
         nodes("rotation-0", json!([{"mesh": 0, "rotation": [0, 0, 0, 0]}]));
         nodes("mesh-out-of-range", json!([{"mesh": 5}]));
         self.vary("roots-twice", |d| d["scenes"][0]["nodes"] = json!([0, 0]));
