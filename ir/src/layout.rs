@@ -7,6 +7,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::dom::DomTree;
 use crate::program::*;
 use crate::scope::Scope;
 use crate::stats::Reach;
@@ -34,7 +35,7 @@ pub(crate) struct Layout {
     pub tree: Vec<Option<ContId>>,
     /// Where each line stands; none for shared ones.
     pub line_at: FxHashMap<NodeId, Option<ContId>>,
-    parents: Parents,
+    nesting: Nesting,
 }
 
 impl Layout {
@@ -53,12 +54,12 @@ impl Layout {
             free: vec![Vec::new(); n],
             tree: vec![None; n],
             line_at: FxHashMap::default(),
-            parents: Parents::default(),
+            nesting: Nesting::default(),
         };
-        layout.parents = Parents::new(p, &layout.reach, &scope);
+        layout.nesting = Nesting::new(p, &layout.reach, &scope);
         for c in &layout.reach.conts {
             layout.filter_lines[c.index()] = filter_lines(p, p.cont(*c).filter);
-            match layout.parents.of[c.index()] {
+            match layout.nesting.parent(*c) {
                 Some(parent) => layout.children[parent.index()].push(*c),
                 None => layout.roots.push(*c),
             }
@@ -82,8 +83,8 @@ impl Layout {
     /// when the filter alone needs a line.
     pub fn filter_names(&self, c: ContId, id: NodeId) -> bool {
         let Some(at) = self.line_at.get(&id) else { return false };
-        let outside = self.parents.of[c.index()];
-        self.filter_lines[c.index()].contains(&id) || at.is_none() || self.parents.common(*at, outside) == *at
+        let outside = self.nesting.parent(c);
+        self.filter_lines[c.index()].contains(&id) || at.is_none() || self.nesting.common(*at, outside) == *at
     }
 
     fn order_free(&mut self, p: &Program, scope: &Scope) {
@@ -108,7 +109,7 @@ impl Layout {
 
     /// Each node's line stands in the innermost continuation around all its users, in the order of first need.
     fn place_lines(&mut self, p: &Program) {
-        let parents = &self.parents;
+        let nesting = &self.nesting;
         let mut place: Vec<Option<Option<ContId>>> = vec![None; p.nodes.len()];
         let filters = self.filter_lines.clone();
         let needs = |c: ContId, f: &mut dyn FnMut(NodeId)| {
@@ -117,7 +118,7 @@ impl Layout {
         };
         let meet = |place: &mut Vec<Option<Option<ContId>>>, x: NodeId, at: Option<ContId>| {
             let slot = &mut place[x.index()];
-            *slot = Some(slot.map_or(at, |old| parents.common(old, at)));
+            *slot = Some(slot.map_or(at, |old| nesting.common(old, at)));
         };
         for c in &self.reach.conts {
             needs(*c, &mut |x| meet(&mut place, x, Some(*c)));
@@ -159,50 +160,52 @@ pub(crate) fn is_leaf(p: &Program, id: NodeId) -> bool {
     matches!(p.node(id), Node::Lit(_) | Node::Param { .. } | Node::Cont(_))
 }
 
-/// Under which continuation each one stands: its immediate dominator among mentions (Cooper, Harvey and Kennedy 2001).
+/// Under which continuation each one stands: its immediate dominator among mentions. A virtual root is above all.
 #[derive(Default)]
-struct Parents {
-    of: Vec<Option<ContId>>,
-    /// Number in reverse postorder: a parent has a smaller one.
-    order: Vec<usize>,
+struct Nesting {
+    tree: DomTree,
+    /// Number of each continuation in the tree; 0, the virtual root, for what is not printed.
+    block: Vec<u32>,
+    /// The continuation of each number.
+    cont: Vec<Option<ContId>>,
 }
 
-impl Parents {
-    fn new(p: &Program, reach: &Reach, scope: &Scope) -> Parents {
+impl Nesting {
+    fn new(p: &Program, reach: &Reach, scope: &Scope) -> Nesting {
         let mentions = mentions(p, reach);
         let is_top = |c: ContId| scope.parent[c.index()].is_none();
-        let tops: Vec<ContId> = reach.conts.iter().copied().filter(|c| is_top(*c)).collect();
-        let order = reverse_postorder(p, &mentions, &tops);
-        let mut parents = Parents { of: vec![None; p.conts.len()], order: vec![usize::MAX; p.conts.len()] };
-        for (number, c) in order.iter().enumerate() {
-            parents.order[c.index()] = number;
+        // What no top leads to is out of scope: a stray.
+        let tops = reach.conts.iter().copied().filter(|c| is_top(*c));
+        let starts: Vec<ContId> = reach.conts.iter().copied().filter(|c| !is_top(*c)).chain(tops).collect();
+        let order = reverse_postorder(p, &mentions, &starts);
+        let cont: Vec<Option<ContId>> = [None].into_iter().chain(order.into_iter().map(Some)).collect();
+        let mut block = vec![0; p.conts.len()];
+        for (number, c) in cont.iter().enumerate() {
+            c.iter().for_each(|c| block[c.index()] = number as u32);
         }
-        // A top stands under nothing, whoever mentions it.
-        let mut placed: Vec<bool> = (0..p.conts.len()).map(|c| is_top(ContId(c as u32))).collect();
-        let mut changed = true;
-        while std::mem::take(&mut changed) {
-            for c in &order {
-                for d in mentions[c.index()].iter().copied().filter(|d| !is_top(*d)) {
-                    let parent = match placed[d.index()] {
-                        true => parents.common(parents.of[d.index()], Some(*c)),
-                        false => Some(*c),
-                    };
-                    changed |= !std::mem::replace(&mut placed[d.index()], true) || parents.of[d.index()] != parent;
-                    parents.of[d.index()] = parent;
-                }
+        let mut preds = vec![Vec::new(); cont.len()];
+        for c in &reach.conts {
+            for d in mentions[c.index()].iter().filter(|d| !is_top(**d)) {
+                preds[block[d.index()] as usize].push(block[c.index()]);
             }
         }
-        parents
+        // A top stands under nothing, whoever mentions it; nor does what only strays mention.
+        for (b, preds) in preds.iter_mut().enumerate().skip(1) {
+            if preds.iter().all(|pred| *pred as usize >= b) {
+                preds.push(0);
+            }
+        }
+        Nesting { tree: DomTree::new(&preds), block, cont }
+    }
+
+    /// What the continuation stands under.
+    fn parent(&self, c: ContId) -> Option<ContId> {
+        self.tree.idom(self.block[c.index()]).and_then(|above| self.cont[above as usize])
     }
 
     /// The innermost continuation around both.
     fn common(&self, a: Option<ContId>, b: Option<ContId>) -> Option<ContId> {
-        let (mut a, mut b) = (a?, b?);
-        while a != b {
-            let later = if self.order[a.index()] > self.order[b.index()] { &mut a } else { &mut b };
-            *later = self.of[later.index()]?;
-        }
-        Some(a)
+        self.cont[self.tree.common(self.block[a?.index()], self.block[b?.index()]) as usize]
     }
 }
 
