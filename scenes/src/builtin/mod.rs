@@ -23,7 +23,7 @@ const fn entry(name: &'static str, purpose: &'static str, make: fn() -> Scene) -
     Builtin { name, purpose, make }
 }
 
-static BUILTINS: [Builtin; 34] = [
+static BUILTINS: [Builtin; 35] = [
     entry("cornell-box", "two boxes in a box with a red and a green wall: the default scene", rooms::cornell_box),
     entry("far-away", "the Cornell box a million metres from the origin: the same picture", rooms::far_away),
     entry("furnace-sphere", "inside a glowing sphere of albedo 1/2: radiance 1 everywhere", rooms::furnace_sphere),
@@ -37,6 +37,7 @@ static BUILTINS: [Builtin; 34] = [
     entry("black-sphere", "inside a coarse smooth black sphere, a million outside: exactly 0", rooms::black_sphere),
     entry("facing-mirrors", "a lamp between two perfect mirrors: long paths must end", rooms::facing_mirrors),
     entry("material-balls", "diffuse, plastic, metal, mirror and glass balls in a row", surfaces::material_balls),
+    entry("phong", "Phong balls, from dull to a highlight a tenth of a degree wide", surfaces::phong),
     entry(
         "white-furnace",
         "balls that keep all light, in uniform light: invisible, 1 everywhere",
