@@ -131,10 +131,6 @@ pub mod error;
 pub mod print;
 pub mod parse;
 pub mod stats;
-mod layout;
-mod names;
-mod lex;
-mod parse_line;
 // Analyses of residuals.
 pub mod dom;
 pub mod loops;

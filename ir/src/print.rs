@@ -19,15 +19,20 @@
 //! names only. A node stands in the innermost continuation around its users, whatever engine computes it where.
 //! The lines of a `rest` or `join` stand at its own height, so that what runs in sequence reads in sequence.
 
+mod layout;
+mod names;
+
 use std::fmt::Write;
 
-use crate::layout;
-use crate::lex::HEADER;
 use crate::lit::Lit;
-use crate::names::{self, Names};
 use crate::program::*;
 use crate::stats::Stats;
 use crate::ty::{Ty, TyKind};
+use names::Names;
+pub(crate) use names::is_automatic;
+
+/// The first words of every text: the format's version.
+pub(crate) const HEADER: &str = "jerboa-ir 1";
 
 /// Whether the text tells where each continuation was written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]

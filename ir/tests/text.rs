@@ -102,6 +102,24 @@ fn text_depends_on_structure_not_on_the_order_of_making() {
     assert_eq!(print(&parse(&shuffled).unwrap()), ALL);
 }
 
+#[test]
+fn hints_become_unique_words_and_lines_show_on_demand() {
+    let mut w = World::new();
+    let hints = ["x", "x", "ray.dir", "2nd", "true", "y7", ""];
+    let mut params: Vec<Param> = hints.iter().map(|name| param(name, Ty::u32())).collect();
+    params.push(Param { ty: Ty::func(&[]), name: None, keep: true });
+    let f = w.cont("a function", Role::Fun, params, Loc { file: "here.rs", line: 3 });
+    let last = w.param(f, hints.len());
+    w.set_body(f, jump(last, &[]), AT);
+    w.entry("f", f);
+    let p = w.finish();
+    let head = "fun a_function(x: u32, x_2: u32, ray_dir: u32, _2nd: u32, true_: u32, y1: u32, _: u32, keep y2: fn()) @";
+    let line = |text: &str| text.lines().nth(3).unwrap().to_owned();
+    assert_eq!(line(&print(&p)), head);
+    assert_eq!(line(&print_with(&p, SourceLines::Shown)), format!("{head}  ; at here.rs:3"));
+    assert_eq!(print(&parse(&print(&p)).unwrap()), print(&p));
+}
+
 /// Small generator (SplitMix64, Steele et al. 2014); tests print their seed.
 struct Rng(u64);
 

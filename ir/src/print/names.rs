@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::layout::Layout;
+use super::layout::Layout;
 use crate::program::*;
 
 /// Words that no name may be, because they could stand where a name stands. Such a name gets a `_` behind it.
 const RESERVED: &[&str] = &["true", "false", "inf", "nan", "keep", "now", "later", "unchecked"];
 
 /// Names, unique among what can be seen: within a root and all it contains, and the roots themselves.
-pub(crate) struct Names {
+pub(super) struct Names {
     /// Of continuations.
     pub conts: Vec<String>,
     /// Of parameters.
@@ -80,7 +80,7 @@ pub(crate) fn is_automatic(name: &str) -> bool {
 }
 
 /// A hint as a word of the text.
-pub(crate) fn word(hint: &str) -> String {
+pub(super) fn word(hint: &str) -> String {
     let mut word: String = hint.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if !word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') {
         word.insert(0, '_');

@@ -1,11 +1,11 @@
 //! A place in a line of tokens, with the errors of what is found there.
 
+use super::lex::{Line, is_word};
 use crate::error::TextError;
-use crate::lex::{Line, is_word};
 
 /// Walks along a line.
 #[derive(Clone)]
-pub(crate) struct Cursor<'a> {
+pub(super) struct Cursor<'a> {
     line: &'a Line<'a>,
     at: usize,
 }

@@ -1,22 +1,20 @@
-//! Lines of words for [`crate::parse()`].
+//! Lines of words for the parser.
 
 use crate::error::TextError;
+use crate::print::HEADER;
 
 /// A word, a number or a mark; the text tells which.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Token<'a> {
+pub(super) struct Token<'a> {
     /// As written.
     pub text: &'a str,
     /// Where it begins, from 1.
     pub column: usize,
 }
 
-/// The first words of every text: the format's version.
-pub(crate) const HEADER: &str = "jerboa-ir 1";
-
 /// A line that is not empty, without its comment.
 #[derive(Debug)]
-pub(crate) struct Line<'a> {
+pub(super) struct Line<'a> {
     /// Its number, from 1.
     pub number: usize,
     /// Its tokens, at least one.
@@ -31,7 +29,7 @@ impl Line<'_> {
 }
 
 /// Check the header and cut what follows into lines of tokens.
-pub(crate) fn lines(text: &str) -> Result<Vec<Line<'_>>, TextError> {
+pub(super) fn lines(text: &str) -> Result<Vec<Line<'_>>, TextError> {
     let mut code = (1..).zip(text.lines().map(|line| line.split(';').next().unwrap_or("")));
     let header = code.by_ref().find(|(_, line)| !line.trim().is_empty());
     match header.map(|(number, line)| (number, line.trim())) {
@@ -78,7 +76,7 @@ fn tokens(code: &str) -> Result<Vec<Token<'_>>, (usize, String)> {
 }
 
 /// Is this a letter of a word?
-pub(crate) fn is_word(c: char) -> bool {
+pub(super) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 

@@ -16,7 +16,7 @@ use crate::stats::Reach;
 const FILTER_DEPTH: usize = 8;
 
 /// The order of continuations and lines.
-pub(crate) struct Layout {
+pub(super) struct Layout {
     /// What is printed.
     pub reach: Reach,
     /// Continuations without parent, in order.
@@ -156,7 +156,7 @@ impl Layout {
 }
 
 /// Does the node print in place rather than by a line?
-pub(crate) fn is_leaf(p: &Program, id: NodeId) -> bool {
+pub(super) fn is_leaf(p: &Program, id: NodeId) -> bool {
     matches!(p.node(id), Node::Lit(_) | Node::Param { .. } | Node::Cont(_))
 }
 
