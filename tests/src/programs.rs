@@ -23,7 +23,7 @@ pub struct Case {
     pub program: Program,
     /// `main`.
     pub main: ContId,
-    /// Content of the buffers.
+    /// Content of the buffers; the classes are not numbered yet (see [`crate::knowledge::classify`]).
     pub memory: Vec<Memory>,
 }
 
@@ -111,7 +111,8 @@ fn declare(w: &mut World) {
         scalar("flag", Bool, Time::Structure),
         scalar("gain", F32, Time::Value),
         scalar("texel", I32, Time::Bulk),
-        column("next", ColTy::Ref(PLAIN), Time::Value),
+        column("plain", ColTy::Ref(PLAIN), Time::Value),
+        column("next", ColTy::Ref(KINDS), Time::Structure),
     ];
     let plain = vec![
         scalar("x", F32, Time::Value),
@@ -127,31 +128,18 @@ fn declare(w: &mut World) {
     buffer("aos", BufKind::Stream, Layout::Rows, aos);
 }
 
-/// Random content. Streams may be empty; a classed table has its classes by its structure.
+/// Random content. Streams may be empty; classes are numbered later, by what is known.
 fn content(buffer: &Buffer, c: &mut Choices) -> Memory {
     let table = matches!(buffer.kind, BufKind::Table { .. });
     let rows = if table { 1 + c.below(4) } else { c.below(5) };
     let mut words = vec![0; rows as usize * buffer.columns.len()];
-    let mut classes: Vec<Vec<u32>> = Vec::new();
     for row in 0..rows as usize {
-        let mut structure = Vec::new();
         for (col, decl) in buffer.columns.iter().enumerate() {
-            let word = match decl.ty {
+            words[buffer.word(rows as usize, row, col)] = match decl.ty {
                 ColTy::Ref(_) => c.below(4),
                 ColTy::Scalar(_) if decl.time == Time::Structure => c.below(2),
                 ColTy::Scalar(s) => values::random(s, c).word(),
             };
-            words[buffer.word(rows as usize, row, col)] = word;
-            if decl.time == Time::Structure && col > 0 {
-                structure.push(word);
-            }
-        }
-        if buffer.kind == (BufKind::Table { classed: true }) {
-            let class = classes.iter().position(|k| *k == structure).unwrap_or_else(|| {
-                classes.push(structure);
-                classes.len() - 1
-            });
-            words[buffer.word(rows as usize, row, 0)] = class as u32;
         }
     }
     Memory { rows, words }

@@ -8,9 +8,13 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use jerboa_backend_cranelift as cranelift;
 use jerboa_ir::interp::{Interp, Limits, Memory, Observer, Stop};
 use jerboa_ir::*;
+use jerboa_peval::{Arg, Generic, specialize};
 use jerboa_tests::choices::{Choices, shrink};
+use jerboa_tests::knowledge::{Level, classify};
+use jerboa_tests::machine::call;
 use jerboa_tests::programs::{Case, case};
 use jerboa_tests::refold::refold;
 
@@ -29,8 +33,12 @@ type Outcome = Result<(Vec<Lit>, Vec<Memory>), Stop>;
 struct Tally {
     runs: u64,
     unfinished: u64,
-    /// Operations that each engine has executed.
+    /// Operations that the interpreter has executed in generic programs.
     interpreted: BTreeSet<Op>,
+    /// … that the evaluator has left in residuals, and the interpreter has executed there.
+    left: BTreeSet<Op>,
+    /// … that were compiled to machine code.
+    compiled: BTreeSet<Op>,
 }
 
 impl Tally {
@@ -38,6 +46,8 @@ impl Tally {
         self.runs += other.runs;
         self.unfinished += other.unfinished;
         self.interpreted.extend(other.interpreted);
+        self.left.extend(other.left);
+        self.compiled.extend(other.compiled);
     }
 }
 
@@ -52,41 +62,135 @@ impl Observer for Ops<'_> {
     }
 }
 
+/// Every NaN in memory becomes the one NaN, as a load makes it.
+fn canonical(p: &Program, mut memory: Vec<Memory>) -> Vec<Memory> {
+    for (buffer, m) in p.buffers.iter().zip(&mut memory) {
+        for (col, _) in buffer.columns.iter().enumerate().filter(|(_, c)| c.ty == ColTy::Scalar(Scalar::F32)) {
+            for row in 0..m.rows as usize {
+                let word = &mut m.words[buffer.word(m.rows as usize, row, col)];
+                *word = Lit::from_word(Scalar::F32, *word).word();
+            }
+        }
+    }
+    memory
+}
+
 fn interpret(p: &Program, main: ContId, args: &[Lit], memory: &[Memory], ops: &mut BTreeSet<Op>) -> Outcome {
     let mut memory = memory.to_vec();
     let mut observer = Ops(p, std::mem::take(ops));
     let results = Interp::new(p).run_observed(main, args, &mut memory, LIMITS, &mut observer);
     *ops = observer.1;
-    Ok((results?, memory))
+    Ok((results?, canonical(p, memory)))
 }
 
 /// Put one program through every engine; what differs, if anything does.
 fn check(case: &Case, seed: u64, tally: &mut Tally) -> Result<(), String> {
-    let mut inputs = Choices::random(seed);
-    for _ in 0..INPUTS {
-        let args = case.arguments(&mut inputs);
-        let expected = interpret(&case.program, case.main, &args, &case.memory, &mut tally.interpreted);
-        tally.runs += 1;
-        match &expected {
-            Ok(_) => {}
-            Err(Stop::Fault { .. }) => return Err(format!("interpreter, on {args:?}: {expected:?}")),
-            Err(_) => {
-                tally.unfinished += 1;
-                continue;
-            }
+    let mut c = Choices::random(seed);
+    let mut memory = case.memory.clone();
+    let facts = classify(&case.program, &mut memory, c.pick(&[Level::Nothing, Level::Structure, Level::All]));
+    let split = Split::new(case, &mut c);
+    let inputs: Vec<Vec<Lit>> = (0..INPUTS).map(|_| split.input(case.arguments(&mut c))).collect();
+    let expected: Vec<Outcome> =
+        inputs.iter().map(|args| interpret(&case.program, case.main, args, &memory, &mut tally.interpreted)).collect();
+    tally.runs += INPUTS;
+    tally.unfinished += expected.iter().filter(|e| e.is_err()).count() as u64;
+    let checked = || inputs.iter().zip(&expected).filter(|(_, e)| !matches!(e, Err(Stop::Fuel | Stop::Limit)));
+    for (args, expected) in checked() {
+        if let Err(fault) = expected {
+            return Err(format!("interpreter, on {args:?}: {fault}"));
         }
-        let folded = refold(&case.program, case.main, &known(case, &args, &mut inputs));
-        let outcome = interpret(&folded, case.main, &args, &case.memory, &mut tally.interpreted);
-        same("construction's folding", &args, &expected, &outcome)?;
+    }
+
+    let folded = refold(&case.program, case.main, &split.literals());
+    for (args, expected) in checked() {
+        let outcome = interpret(&folded, case.main, args, &memory, &mut BTreeSet::new());
+        same("construction", args, expected, &outcome)?;
+    }
+
+    let generic = Generic::new(case.program.clone());
+    let residual = specialize(&generic, "main", &split.known, &facts, &Default::default())
+        .map_err(|e| format!("evaluator, knowing {:?}: {e}", split.known))?
+        .program;
+    let main = residual.entry("main").expect("the residual has the entry");
+    for (args, expected) in checked() {
+        let outcome = interpret(&residual, main, &split.unknown(args), &memory, &mut tally.left);
+        same(&format!("the residual, knowing {:?}", split.known), args, expected, &outcome)
+            .map_err(|e| format!("{e}\n{}", print(&residual)))?;
+    }
+
+    for opt in [cranelift::Opt::None, cranelift::Opt::Speed] {
+        let options = cranelift::Options { opt, verify: true, dumps: false };
+        let code = cranelift::compile(&[&residual], &options).map_err(|e| format!("back end: {e}\n{}", print(&residual)))?;
+        let kernel = code.kernel("main").expect("main is compiled");
+        for (args, expected) in checked() {
+            let mut memory = memory.clone();
+            let outcome = match call(kernel, &residual, main, &split.unknown(args), &mut memory) {
+                Err(_) => continue,
+                Ok(results) => Ok((results, canonical(&residual, memory))),
+            };
+            same(&format!("machine code ({opt:?}), knowing {:?}", split.known), args, expected, &outcome)
+                .map_err(|e| format!("{e}\n{}", print(&residual)))?;
+        }
+    }
+    for node in &Reach::from_entries(&residual).nodes {
+        if let Node::Prim { op, .. } = residual.node(*node) {
+            tally.compiled.insert(*op);
+        }
     }
     Ok(())
 }
 
-/// The literals of the parameters that a random split makes known.
-fn known(case: &Case, args: &[Lit], c: &mut Choices) -> Vec<Option<Vec<Lit>>> {
-    let mut rest = args.iter().copied();
-    let mut param = |ty: Ty| rest.by_ref().take(ty.lanes().expect("main takes data").1).collect::<Vec<_>>();
-    case.params().into_iter().map(|ty| Some(param(ty)).filter(|_| c.one_in(2))).collect()
+/// Which arguments the evaluator knows.
+struct Split {
+    /// For each parameter of `main`.
+    known: Vec<Arg>,
+    /// Number of lanes of each parameter.
+    lanes: Vec<usize>,
+}
+
+impl Split {
+    /// Nothing, everything, or some of the scalars.
+    fn new(case: &Case, c: &mut Choices) -> Split {
+        let mode = c.below(4);
+        let args = case.arguments(c);
+        let lanes: Vec<usize> = case.params().iter().map(|t| t.lanes().expect("main takes data").1).collect();
+        let mut at = 0;
+        let known = |lanes: &usize| {
+            at += lanes;
+            let known = *lanes == 1 && (mode == 1 || mode > 1 && c.one_in(2));
+            if known { Arg::Known(args[at - lanes]) } else { Arg::Unknown }
+        };
+        Split { known: lanes.iter().map(known).collect(), lanes }
+    }
+
+    /// These arguments, less what is known.
+    fn unknown(&self, args: &[Lit]) -> Vec<Lit> {
+        self.zip(args).filter(|(known, _)| matches!(known, Arg::Unknown)).flat_map(|(_, lits)| lits.to_vec()).collect()
+    }
+
+    /// These arguments with those that are known instead.
+    fn input(&self, args: Vec<Lit>) -> Vec<Lit> {
+        let lits = self.zip(&args).flat_map(|(known, lits)| match known {
+            Arg::Known(lit) => vec![lit],
+            _ => lits.to_vec(),
+        });
+        lits.collect()
+    }
+
+    /// As [`refold`] takes it.
+    fn literals(&self) -> Vec<Option<Vec<Lit>>> {
+        let literal = |arg: &Arg| if let Arg::Known(lit) = arg { Some(vec![*lit]) } else { None };
+        self.known.iter().map(literal).collect()
+    }
+
+    fn zip<'a>(&'a self, args: &'a [Lit]) -> impl Iterator<Item = (Arg, &'a [Lit])> {
+        let mut rest = args;
+        self.known.iter().zip(&self.lanes).map(move |(known, lanes)| {
+            let (own, others) = rest.split_at(*lanes);
+            rest = others;
+            (*known, own)
+        })
+    }
 }
 
 fn same(engine: &str, args: &[Lit], expected: &Outcome, outcome: &Outcome) -> Result<(), String> {
@@ -126,6 +230,9 @@ fn setting(name: &str, default: u64) -> u64 {
 fn random_programs_mean_the_same_on_every_engine() {
     let (programs, first) = (setting("JERBOA_PROGRAMS", PROGRAMS), setting("JERBOA_SEED", 1));
     println!("{programs} programs from seed {first}");
+    // The panics of a program that is shrunk are no news.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
     let worker = |start: u64| {
         let mut tally = Tally::default();
         for seed in (first + start..first + programs).step_by(2) {
@@ -137,6 +244,7 @@ fn random_programs_mean_the_same_on_every_engine() {
         let workers = [0, 1].map(|start| s.spawn(move || worker(start)));
         workers.map(|w| w.join().expect("panics are caught")).into()
     });
+    std::panic::set_hook(hook);
     let mut tally = Tally::default();
     for result in results {
         tally.add(result.unwrap_or_else(|report| panic!("{report}")));
@@ -145,4 +253,6 @@ fn random_programs_mean_the_same_on_every_engine() {
     assert!(tally.unfinished * 20 <= tally.runs, "more than 5 % of the runs have no result");
     let all: BTreeSet<Op> = Op::ALL.iter().copied().collect();
     assert_eq!(tally.interpreted, all, "operations that the interpreter has executed");
+    assert_eq!(tally.left, all, "operations that residuals have executed");
+    assert_eq!(tally.compiled, all, "operations that were compiled");
 }

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::draft::{Draft, Mention, Subst};
 
 pub(crate) fn run(draft: &mut Draft) -> u64 {
-    same_sides(draft) + pass_on(draft)
+    same_sides(draft) + pass_on(draft, false) + pass_on(draft, true)
 }
 
 /// Branches and switches that do not matter.
@@ -35,7 +35,8 @@ fn same_sides(draft: &mut Draft) -> u64 {
     changes
 }
 
-fn pass_on(draft: &mut Draft) -> u64 {
+/// To blocks, or to returns: one after the other, since an arm may become a block that passes on to a return.
+fn pass_on(draft: &mut Draft, to_returns: bool) -> u64 {
     let order = draft.order();
     let mentions = draft.mentions(&order);
     let uses = param_uses(draft, &order);
@@ -55,8 +56,8 @@ fn pass_on(draft: &mut Draft) -> u64 {
         // An arm is a continuation, so it cannot be the return itself; a function cannot be a block.
         let is_arm = mentions[c.index()].iter().any(|m| matches!(m, Mention::Arm(_)));
         let fits = match draft.cont_of(callee) {
-            Some(to) => draft.p().cont(to).role != Role::Fun,
-            None => !is_arm,
+            Some(to) => !to_returns && draft.p().cont(to).role != Role::Fun,
+            None => to_returns && !is_arm,
         };
         let unused_else = params.iter().all(|p| uses.get(p) == Some(&1));
         let me = draft.world.cont_value(*c);

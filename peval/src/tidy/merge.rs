@@ -30,7 +30,8 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
             merged += 1;
         }
     }
-    let order = draft.order();
-    draft.apply(&order, &subst);
+    // Not the order of now: what a merged function returns to is not reached before the substitution.
+    let left: Vec<ContId> = order.into_iter().filter(|c| *draft.body(*c) != Body::Unset).collect();
+    draft.apply(&left, &subst);
     merged
 }

@@ -143,8 +143,9 @@ impl Gen<'_> {
                 self.w.read(Column { buf: KINDS, col: 5 }, row, loc)
             }
             TyKind::Row(KINDS) if self.c.one_in(2) => {
-                let row = self.value_of(Ty::row(PLAIN), depth);
-                self.w.read(Column { buf: PLAIN, col: 3 }, row, loc)
+                let (buf, col) = self.c.pick(&[(PLAIN, 3), (KINDS, 6)]);
+                let row = self.value_of(Ty::row(buf), depth);
+                self.w.read(Column { buf, col }, row, loc)
             }
             TyKind::Row(table) => {
                 let index = self.value_of(Ty::u32(), depth);
