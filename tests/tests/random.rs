@@ -132,7 +132,7 @@ fn check(case: &Case, seed: u64, tally: &mut Tally) -> Result<(), String> {
                 .map_err(|e| format!("{e}\n{}", print(&residual)))?;
         }
     }
-    for node in &Reach::from_entries(&residual).nodes {
+    for node in &Reach::of(&residual).nodes {
         if let Node::Prim { op, .. } = residual.node(*node) {
             tally.compiled.insert(*op);
         }
