@@ -31,6 +31,7 @@ pub fn make_perspective_camera() -> CameraFn {
             tmax: F32::from(f32::INFINITY),
             skip: NONE.into(),
             skip1: NONE.into(),
+            skip2: NONE.into(),
         }
     })
 }

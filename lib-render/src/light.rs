@@ -1,28 +1,35 @@
-//! Lights (paper, section 4.3).
+//! Lights (paper, section 4.3), one file per kind.
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Bool, F32, Fun, U32};
+use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
 
-use crate::core::color::Color;
+use crate::core::cdf::invert;
+use crate::core::color::{Color, color};
 use crate::core::rng::Rng;
-use crate::core::vec::{Vec2, Vec3};
+use crate::core::vec::{Vec2, Vec3, vec3};
 use crate::material::EmissionValue;
+use crate::schema::*;
+
+pub mod area;
+pub mod directional;
+pub mod environment;
+pub mod point;
+pub mod spot;
 
 /// A light as seen from a point: for next event estimation.
 #[derive(Clone, Copy)]
 pub struct DirectLightSample {
     /// Towards the light, unit, world.
     pub wi: Vec3,
-    /// Point on the light, world, for lights that have a place; `point + wi · distance` otherwise.
+    /// Where a shadow ray ends, world: the point on the light, moved off the light's surface to the side it is seen from.
+    /// Unspecified where `distance` is infinite.
     pub pos: Vec3,
-    /// Bound on the absolute error of each coordinate of `pos`.
-    pub error: Vec3,
     /// Distance to it, m; infinity for the environment and for parallel light.
     pub distance: F32,
     /// Radiance towards the point (area lights, environment); intensity / distance² or irradiance for the others.
     pub intensity: Color,
     /// Density per steradian at the receiving point, choice of the light included; for lights without extent the
-    /// probability of the choice.
+    /// probability of the choice. 0 where there is no direction; infinite where the light is seen edge-on.
     pub pdf_dir: F32,
     /// No extent: only light sampling finds it, so its weight is 1.
     pub is_delta: Bool,
@@ -31,7 +38,7 @@ pub struct DirectLightSample {
     /// The other half of a quad, or `NONE`.
     pub primitive1: U32,
 }
-impl_staged!(DirectLightSample { wi, pos, error, distance, intensity, pdf_dir, is_delta, primitive, primitive1 });
+impl_staged!(DirectLightSample { wi, pos, distance, intensity, pdf_dir, is_delta, primitive, primitive1 });
 
 /// A ray that leaves a light: for light tracing.
 #[derive(Clone, Copy)]
@@ -64,3 +71,52 @@ pub struct Light {
     pub has_area: Bool,
 }
 impl_staged!(Light { sample_direct, sample_emission, emission, has_area });
+
+/// Choose a light by its share of the scene's power, and sample it from a point. Draws at most 3 numbers.
+pub fn sample_light(b: &mut Block, rng: Rng, point: Vec3) -> DirectLightSample {
+    let (u, rng) = rng.next();
+    let count = Row::<Settings>::at(0u32).get(Settings::LIGHT_COUNT);
+    let index = invert(b, count, |i| Row::at(i).get(LightChoice::CDF), u);
+    b.dispatch(Row::<Lights>::at(index), |b, row| {
+        let sample = |light: Light, b: &mut Block| light.sample_direct.call(b, (rng, point));
+        b.switch(
+            row.get(Lights::KIND),
+            &[
+                (LIGHT_POINT, &|b| sample(point::make_point_light(row), b)),
+                (LIGHT_SPOT, &|b| sample(spot::make_spot_light(row), b)),
+                (LIGHT_DIRECTIONAL, &|b| sample(directional::make_directional_light(row), b)),
+                (LIGHT_TRIANGLE, &|b| sample(area::make_triangle_light(row), b)),
+                (LIGHT_QUAD, &|b| sample(area::make_quad_light(row), b)),
+            ],
+            |b| sample(environment::make_environment_light(row), b),
+        )
+    })
+}
+
+/// Density with which light sampling finds a point of an area light (a row of `Lights`), per square metre, the choice of
+/// the light included; 0 for `NONE`.
+pub fn area_pdf(light: U32) -> F32 {
+    let is_light = light.ne(NONE);
+    let row = Row::<Lights>::at(is_light.select(light, 0u32.into()));
+    is_light.select(row.get(Lights::PROBABILITY) / row.get(Lights::AREA), 0.0.into())
+}
+
+/// Position, or first corner.
+fn position(row: Row<Lights>) -> Vec3 {
+    vec3(row.get(Lights::P_X), row.get(Lights::P_Y), row.get(Lights::P_Z))
+}
+
+/// First edge, or direction.
+fn first_edge(row: Row<Lights>) -> Vec3 {
+    vec3(row.get(Lights::E1_X), row.get(Lights::E1_Y), row.get(Lights::E1_Z))
+}
+
+/// Radiance, intensity or irradiance.
+fn strength(row: Row<Lights>) -> Color {
+    color(row.get(Lights::R), row.get(Lights::G), row.get(Lights::B))
+}
+
+/// The `emission` of a light that no ray hits.
+fn unseen() -> Fun<(Vec3, Vec2), EmissionValue> {
+    Fun::lam(|_, _| EmissionValue { intensity: crate::core::color::black(), pdf_area: 0.0.into(), pdf_dir: 0.0.into() })
+}

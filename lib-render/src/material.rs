@@ -1,14 +1,15 @@
 //! Materials: scattering and emission of a surface (paper, section 4.2).
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
+use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row};
 
 use crate::bsdf::Bsdf;
 use crate::core::color::{Color, black, color};
 use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
 use crate::geometry::SurfaceElement;
-use crate::schema::{Lights, Materials, NONE, Textures};
+use crate::light::area_pdf;
+use crate::schema::{Materials, Textures};
 use crate::texture::look_up;
 
 /// What leaves a point of an emitter in a direction, and how likely the samplers find both.
@@ -92,11 +93,4 @@ pub fn make_emission(row: Row<Materials>, surf: SurfaceElement) -> EmissionFn {
             pdf_dir: both.select(cosine_hemisphere_pdf(cos.abs()) * 0.5, cosine_hemisphere_pdf(cos)),
         }
     })
-}
-
-/// Density with which light sampling finds a point of this light, per square metre; 0 for `NONE`.
-fn area_pdf(light: U32) -> F32 {
-    let is_light = light.ne(NONE);
-    let row = Row::<Lights>::at(is_light.select(light, 0u32.into()));
-    is_light.select(row.get(Lights::PROBABILITY) / row.get(Lights::AREA), 0.0.into())
 }

@@ -17,10 +17,12 @@ pub struct Ray {
     pub tmax: F32,
     /// A primitive the ray does not hit (the one it starts on), or `NONE`.
     pub skip: U32,
-    /// A second one (the light a shadow ray ends on, or the other half of a quad), or `NONE`.
+    /// A second one (the light a shadow ray ends on), or `NONE`.
     pub skip1: U32,
+    /// A third one (the other half of a quad), or `NONE`.
+    pub skip2: U32,
 }
-impl_staged!(Ray { org, dir, tmax, skip, skip1 });
+impl_staged!(Ray { org, dir, tmax, skip, skip1, skip2 });
 
 /// The nearest primitive on a ray.
 #[derive(Clone, Copy)]

@@ -6,5 +6,6 @@ pub mod rng;
 pub mod math;
 pub mod onb;
 pub mod sampling;
+pub mod cdf;
 pub mod fresnel;
 pub mod microfacet;

@@ -72,6 +72,13 @@ impl Vec3 {
         self.length2().sqrt()
     }
 
+    /// Length, also where squares would overflow or vanish: divides by the largest coordinate first. Zero gives 0.
+    #[track_caller]
+    pub fn length_scaled(self) -> F32 {
+        let largest = self.abs().max_element();
+        largest.absorb((self / largest).length())
+    }
+
     /// The unit vector in this direction. Zero gives NaN; see [`Vec3::normalize_scaled`] for tiny or huge vectors.
     #[track_caller]
     pub fn normalize(self) -> Vec3 {

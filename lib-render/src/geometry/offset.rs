@@ -5,10 +5,11 @@
 //! Jakob, Humphreys, *Physically Based Rendering*, 4th ed., 6.8.6). There is no absolute length in it: a scene scaled by a
 //! power of two gives the same bits.
 
-use jerboa_ir::lang::{F32, U32};
+use jerboa_ir::lang::F32;
 
 use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
+use crate::light::DirectLightSample;
 use crate::ray::Ray;
 use crate::schema::NONE;
 
@@ -34,13 +35,22 @@ pub fn offset_origin(surf: SurfaceElement, direction: Vec3) -> Vec3 {
 /// The ray that leaves the surface in a unit direction, without end.
 pub fn spawn_ray(surf: SurfaceElement, direction: Vec3) -> Ray {
     let org = offset_origin(surf, direction);
-    Ray { org, dir: direction, tmax: F32::from(f32::INFINITY), skip: surf.primitive, skip1: NONE.into() }
+    let none = NONE.into();
+    Ray { org, dir: direction, tmax: F32::from(f32::INFINITY), skip: surf.primitive, skip1: none, skip2: none }
 }
 
-/// The shadow ray to a point that has been moved off its own surface already. Aimed again from the moved origin, with a
-/// direction that is not unit, so that it ends there exactly: t = 1. It does not see the surface it starts on and the
-/// primitive `target` it ends on.
-pub fn spawn_shadow_ray(surf: SurfaceElement, end: Vec3, target: U32) -> Ray {
-    let org = offset_origin(surf, end - surf.point);
-    Ray { org, dir: end - org, tmax: 1.0.into(), skip: surf.primitive, skip1: target }
+/// The shadow ray to a light. To a light that has a place it is aimed again from the moved origin, with a direction that
+/// is not unit, and ends there exactly, at t = 1: both ends are moved, so no part of the way is left out. It does not see
+/// the surface it starts on and the light.
+pub fn spawn_shadow_ray(surf: SurfaceElement, light: DirectLightSample) -> Ray {
+    let has_place = light.distance.lt(f32::INFINITY);
+    let org = offset_origin(surf, light.wi);
+    Ray {
+        org,
+        dir: has_place.select(light.pos - org, light.wi),
+        tmax: has_place.select(1.0.into(), f32::INFINITY.into()),
+        skip: surf.primitive,
+        skip1: light.primitive,
+        skip2: light.primitive1,
+    }
 }

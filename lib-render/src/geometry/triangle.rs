@@ -9,7 +9,7 @@ use crate::ray::Hit;
 use crate::schema::{Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
 
 /// Bound on the relative error of seven roundings in a row (Higham 2002, Lemma 3.1): 7 · 2^-24 / (1 − 7 · 2^-24).
-const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
+pub const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
 /// Below this length a sum of unit vectors is rounding noise: 2^-20, against errors of 2^-23.
 const NOISE: f32 = 1.0 / 1_048_576.0;
 

@@ -85,7 +85,7 @@ pub fn read_children(b: &mut Block, node: Child) -> [(Bounds, Child); 2] {
 }
 
 /// The box of all triangles; where there are none, `lo` is +infinity.
-fn scene_bounds() -> Bounds {
+pub fn scene_bounds() -> Bounds {
     use Nodes as N;
     let root = Row::<Nodes>::at(0u32);
     let corner = |x, y, z| vec3(root.get(x), root.get(y), root.get(z));

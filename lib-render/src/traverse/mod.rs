@@ -113,7 +113,8 @@ impl Walk {
         let meets = |b: &mut Block| {
             let primitive = b.read_unchecked(Triangles::PRIMITIVE, slot);
             let (hit, counts) = edges.hit(self.slabs, corners, primitive);
-            let skipped = primitive.eq(self.ray.skip) | primitive.eq(self.ray.skip1);
+            let Ray { skip, skip1, skip2, .. } = self.ray;
+            let skipped = primitive.eq(skip) | primitive.eq(skip1) | primitive.eq(skip2);
             let closer = hit.t.lt(best.t) | (hit.t.eq(best.t) & primitive.lt(best.primitive));
             let wins = counts & !skipped & hit.t.lt(self.ray.tmax) & closer;
             b.if_(wins, |b| self.is_accepted(b, hit).select(hit, best), |_| best)

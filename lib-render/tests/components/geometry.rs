@@ -8,6 +8,7 @@ use jerboa_lib_render::core::vec::Vec3;
 use jerboa_lib_render::camera::make_perspective_camera;
 use jerboa_lib_render::geometry::make_geometry;
 use jerboa_lib_render::geometry::offset::{offset_origin, spawn_shadow_ray};
+use jerboa_lib_render::light::DirectLightSample;
 use jerboa_lib_render::material::{EmissionValue, Material};
 use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Tangents, Uvs, Vertices};
@@ -38,7 +39,7 @@ pub fn no_shader() -> Shader {
 /// The surface of primitive 0 of geometry 0 at weights (u, v).
 fn surface(b: &mut jerboa_ir::lang::Block, u: F32, v: F32) -> jerboa_lib_render::geometry::SurfaceElement {
     let nowhere = Vec3 { x: 0.0.into(), y: 0.0.into(), z: 0.0.into() };
-    let ray = Ray { org: nowhere, dir: nowhere, tmax: 0.0.into(), skip: NONE.into(), skip1: NONE.into() };
+    let ray = Ray { org: nowhere, dir: nowhere, tmax: 0.0.into(), skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() };
     let hit = Hit { primitive: 0.into(), t: 0.0.into(), u, v };
     make_geometry(Row::<Geometries>::at(0u32), no_shader()).surface_element.call(b, (ray, hit))
 }
@@ -53,7 +54,17 @@ fn bench() -> Bench {
         }));
         entry("shadow", Fun::lam(|b, (u, v, end): (F32, F32, Vec3)| {
             let s = surface(b, u, v);
-            spawn_shadow_ray(s, end, NONE.into())
+            let light = DirectLightSample {
+                wi: end - s.point,
+                pos: end,
+                distance: 1.0.into(),
+                intensity: black(),
+                pdf_dir: 1.0.into(),
+                is_delta: true.into(),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
+            };
+            spawn_shadow_ray(s, light)
         }));
         let camera = make_perspective_camera();
         entry("camera", Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng { key: 7.into(), dim: 0.into() }))));

@@ -3,4 +3,5 @@
 
 mod bench;
 mod geometry;
+mod lights;
 mod traverse;
