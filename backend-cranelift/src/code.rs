@@ -3,7 +3,7 @@
 use std::mem::ManuallyDrop;
 
 use cranelift_jit::{ArenaMemoryProvider, JITBuilder, JITModule};
-use cranelift_module::{FuncId, Linkage, Module, ModuleRelocTarget, ModuleResult, default_libcall_names};
+use cranelift_module::{FuncId, Linkage, Module, ModuleRelocTarget, default_libcall_names};
 use jerboa_ir::Program;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -131,28 +131,32 @@ impl Kernel<'_> {
     }
 }
 
+/// What placing and linking can meet: the names are unique and the references are to functions of the same kernel.
+fn no_memory(e: impl std::fmt::Display) -> Error {
+    Error::Memory(e.to_string())
+}
+
 /// Gives all functions their place and resolves their references.
 fn link(target: &Target, kernels: Vec<Unlinked>) -> Result<Code, Error> {
-    let fault = |e: &dyn std::fmt::Display| Error::Memory(e.to_string());
     let mut builder = JITBuilder::with_isa(target.isa.clone(), default_libcall_names());
     builder.symbol("fused_multiply_add", fused_multiply_add as *const u8);
     // One range of addresses, so that calls reach; at worst each function takes pages of its own, of at most 16 KiB.
     let functions = || kernels.iter().flat_map(|k| &k.functions);
     let reserved = functions().map(|f| (f.bytes.len() + 64).next_multiple_of(1 << 14)).sum::<usize>().max(1 << 14);
-    builder.memory_provider(Box::new(ArenaMemoryProvider::new_with_size(reserved).map_err(|e| fault(&e))?));
+    builder.memory_provider(Box::new(ArenaMemoryProvider::new_with_size(reserved).map_err(no_memory)?));
     let mut code = Code { module: ManuallyDrop::new(JITModule::new(builder)), kernels: Vec::new(), number: FxHashMap::default() };
     let module = &mut *code.module;
 
     let mut fma_signature = module.make_signature();
     fma_signature.params = [cranelift_codegen::ir::types::F32; 3].map(cranelift_codegen::ir::AbiParam::new).to_vec();
     fma_signature.returns = fma_signature.params[..1].to_vec();
-    let host = module.declare_function("fused_multiply_add", Linkage::Import, &fma_signature).map_err(|e| fault(&e))?;
+    let host = module.declare_function("fused_multiply_add", Linkage::Import, &fma_signature).map_err(no_memory)?;
     let mut entries = Vec::new();
     for (i, kernel) in kernels.iter().enumerate() {
-        let ids = place(module, kernel, i, host).map_err(|e| fault(&e))?;
+        let ids = place(module, kernel, i, host)?;
         entries.extend(ids.last().copied());
     }
-    module.finalize_definitions().map_err(|e| fault(&e))?;
+    module.finalize_definitions().map_err(no_memory)?;
 
     for (kernel, entry) in kernels.into_iter().zip(entries) {
         let address = code.module.get_finalized_function(entry);
@@ -170,12 +174,12 @@ fn link(target: &Target, kernels: Vec<Unlinked>) -> Result<Code, Error> {
 }
 
 /// Gives a kernel's functions their places.
-fn place(module: &mut JITModule, kernel: &Unlinked, number: usize, host: FuncId) -> ModuleResult<Vec<FuncId>> {
+fn place(module: &mut JITModule, kernel: &Unlinked, number: usize, host: FuncId) -> Result<Vec<FuncId>, Error> {
     let mut ids = Vec::with_capacity(kernel.functions.len());
     for (i, f) in kernel.functions.iter().enumerate() {
         // Names are for `perf`; two functions of a kernel may have the same.
         let unique = format!("{} #{number}.{i}", f.name);
-        ids.push(module.declare_function(&unique, Linkage::Local, &f.signature)?);
+        ids.push(module.declare_function(&unique, Linkage::Local, &f.signature).map_err(no_memory)?);
     }
     for (Machine { bytes, alignment, relocs, .. }, id) in kernel.functions.iter().zip(&ids) {
         let mut relocs = relocs.clone();
@@ -185,7 +189,43 @@ fn place(module: &mut JITModule, kernel: &Unlinked, number: usize, host: FuncId)
                 *namespace = 0;
             }
         }
-        module.define_function_bytes(*id, *alignment, bytes, &relocs)?;
+        module.define_function_bytes(*id, *alignment, bytes, &relocs).map_err(no_memory)?;
     }
     Ok(ids)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jerboa_ir::{Lit, Op};
+
+    #[test]
+    fn fused_multiply_add_is_the_same_where_it_is_a_call() {
+        let p = jerboa_ir::parse(
+            "jerboa-ir 1
+entry f = f
+fun f(a: f32, b: f32, c: f32, return: fn(f32, f32))
+  y = fma a b c
+  z = fma y c a
+  jump return(y, z)
+",
+        )
+        .expect("it is a program");
+        let options = Options::default();
+        let host = Target::host(&options).expect("this machine will do");
+        let code = Code::for_target(&[&p], &options, &Target { fma: false, ..host }).expect("it is a residual");
+        let kernel = code.kernel("f").expect("it is an entry");
+        // The first product is not exact: its two roundings would give 0.
+        let tiny = 1.0 + f32::EPSILON;
+        for [a, b, c] in [[tiny, tiny, -(tiny * tiny)], [f32::MAX, 2.0, -f32::MAX], [0.0, f32::INFINITY, 1.0]] {
+            let [a, b, c] = [a, b, c].map(Lit::f32);
+            let y = Op::Fma.eval(&[a, b, c]);
+            let mut got = [0; 2];
+            // SAFETY: the kernel touches no buffer.
+            let status = unsafe { kernel.call(&[], &[a, b, c].map(Lit::word), &mut got) };
+            assert_eq!(status, Status::Done);
+            let got = got.map(|w| Lit::from_word(jerboa_ir::Scalar::F32, w));
+            assert_eq!(got, [y, Op::Fma.eval(&[y, c, a])]);
+        }
+    }
 }

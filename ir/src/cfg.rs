@@ -6,6 +6,7 @@
 //! strongly connected components (Tarjan, *Depth-first search and linear graph algorithms*, 1972) say which functions may
 //! recurse. Everything is iterative: a chain of 10⁵ blocks does not need a deep stack.
 
+use std::collections::hash_map::Entry;
 use std::fmt;
 use std::sync::Arc;
 
@@ -217,11 +218,12 @@ impl Function {
         if !p.cont_ty(cont).is_function() {
             return Err(NotFirstOrder::new(p, cont, "it is called, but its last parameter is no return"));
         }
+        check_params(p, cont, p.cont(cont).params.len() - 1)?;
         let mut calls = Vec::new();
         let mut succs: FxHashMap<ContId, Vec<ContId>> = FxHashMap::default();
         let mut postorder = Vec::new();
         let mut path: Vec<(ContId, usize)> = vec![(cont, 0)];
-        succs.insert(cont, successors(p, cont, &mut calls)?);
+        succs.insert(cont, successors(p, cont, cont, &mut calls)?);
         while let Some((at, next)) = path.last_mut() {
             let Some(&succ) = succs[at].get(*next) else {
                 postorder.push(*at);
@@ -229,9 +231,9 @@ impl Function {
                 continue;
             };
             *next += 1;
-            if !succs.contains_key(&succ) {
-                check_block(p, succ)?;
-                succs.insert(succ, successors(p, succ, &mut calls)?);
+            if let Entry::Vacant(vacant) = succs.entry(succ) {
+                check_params(p, succ, p.cont(succ).params.len())?;
+                vacant.insert(successors(p, cont, succ, &mut calls)?);
                 path.push((succ, 0));
             }
         }
@@ -252,12 +254,22 @@ impl Function {
     }
 }
 
-/// The blocks where a continuation goes on, without repetition; its call is added to `calls`.
+/// The blocks of a function where a continuation of it goes on, without repetition; its call is added to `calls`.
 fn successors(
     p: &Program,
+    function: ContId,
     cont: ContId,
     calls: &mut Vec<(ContId, bool)>,
 ) -> Result<Vec<ContId>, NotFirstOrder> {
+    if let Body::Jump { callee, args, .. } = &p.cont(cont).body {
+        let foreign = |x: &&NodeId| {
+            let of_function = |c: &ContId, index: &u32| *c == function && *index as usize + 1 == p.cont(function).params.len();
+            matches!(p.node(**x), Node::Param { cont, index } if p.ty(**x).params().is_some() && !of_function(cont, index))
+        };
+        if args.last().iter().chain(&[callee]).any(foreign) {
+            return Err(NotFirstOrder::new(p, cont, "it leaves by what is not its function's return"));
+        }
+    }
     let mut succs = Vec::new();
     match Exit::of(p, cont)? {
         Exit::Return(_) => {}
@@ -282,11 +294,11 @@ fn successors(
     Ok(succs)
 }
 
-/// A block's parameters are data, except the array that follows the making of a local array.
-fn check_block(p: &Program, cont: ContId) -> Result<(), NotFirstOrder> {
+/// The first `count` parameters are data, or the array that follows the making of a local array.
+fn check_params(p: &Program, cont: ContId, count: usize) -> Result<(), NotFirstOrder> {
     let data = |ty: crate::ty::Ty| ty.is_data() || matches!(ty.kind(), TyKind::Local(..));
-    match p.cont(cont).params.iter().find(|param| !data(param.ty)) {
-        Some(param) => Err(NotFirstOrder::new(p, cont, &format!("a parameter of a block is a {}", param.ty))),
+    match p.cont(cont).params[..count].iter().find(|param| !data(param.ty)) {
+        Some(param) => Err(NotFirstOrder::new(p, cont, &format!("it takes a {}", param.ty))),
         None => Ok(()),
     }
 }

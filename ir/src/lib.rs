@@ -136,6 +136,7 @@ pub mod dom;
 pub mod loops;
 pub mod cfg;
 pub mod schedule;
+pub mod hash;
 
 pub use error::{Fault, TextError};
 pub use lit::{Lit, NAN_BITS};
