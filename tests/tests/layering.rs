@@ -22,6 +22,9 @@ const HOST_FOLDERS: &[&str] = &["host", "cli", "bin"];
 /// their traits.
 const LANGUAGE: &[&str] = &["lang", "impl_staged", "table", "stream"];
 
+/// What a host file that reads scenes may name of the embedded language: how a buffer is declared. No value of it is staged.
+const DECLARATIONS: &[&str] = &["jerboa_ir::lang::Buf", "jerboa_ir::lang::Spec", "jerboa_ir::lang::SpecTy"];
+
 #[test]
 fn manifests_hold_only_the_arrows_of_the_law() {
     report(manifests(&sources()));
@@ -217,7 +220,7 @@ fn layout_is_host_code(all: &[Source]) -> Vec<String> {
     for source in all.iter().filter(|s| s.is_rust() && is_host(&s.path)) {
         let named = paths(&source.code_without_tests());
         let reads_scenes = named.iter().any(|p| p.split("::").next() == Some("jerboa_scenes"));
-        let stages = named.iter().find(|p| p.starts_with("jerboa_ir::lang"));
+        let stages = named.iter().find(|p| p.starts_with("jerboa_ir::lang") && !DECLARATIONS.contains(&p.as_str()));
         if let (true, Some(path)) = (reads_scenes, stages) {
             faults.push(format!("{}: reads `jerboa_scenes` and names `{path}`", source.path));
         }
@@ -297,5 +300,6 @@ fn a_host_file_that_stages_scene_data_is_refused() {
     let check = |text: &str| layout_is_host_code(&[Source::sample("lib-render/src/host/tables.rs", text)]).len();
     assert_eq!(check("use jerboa_scenes::Scene;\nuse jerboa_ir::lang::F32;"), 1);
     assert_eq!(check("use jerboa_scenes::Scene;\nuse crate::schema::Materials;"), 0);
+    assert_eq!(check("use jerboa_scenes::Scene;\nuse jerboa_ir::lang::Buf;"), 0);
     assert_eq!(check("use jerboa_ir::lang::build;"), 0);
 }

@@ -48,6 +48,7 @@ rules! {
     unsafe_states_its_reason
     files_say_what_they_are
     dependencies_have_a_reason
+    pages_name_what_exists
 }
 
 fn report(faults: Vec<String>) {
@@ -146,6 +147,32 @@ mod rule {
         }
         faults
     }
+
+    /// Links of pages lead somewhere, and what the pages at the root call a file, or `file::function`, is one. (Pages that
+    /// show how to add something name files that do not exist yet.)
+    pub fn pages_name_what_exists(all: &[Source]) -> Vec<String> {
+        let mut faults = Vec::new();
+        for page in all.iter().filter(|s| s.path.ends_with(".md")) {
+            let folder = page.path.rsplit_once('/').map_or("", |(folder, _)| folder);
+            let links = page.text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+            for link in links.filter(|l| !l.is_empty() && !l.contains("://")) {
+                if !exists(all, &resolve(folder, link)) {
+                    faults.push(format!("{}: the link `{link}` leads nowhere", page.path));
+                }
+            }
+            if folder.is_empty() {
+                // Every second piece stands between backquotes.
+                for name in page.text.split('`').skip(1).step_by(2).filter(|name| is_path(all, name)) {
+                    let (path, function) = name.split_once("::").unwrap_or((name, ""));
+                    let text = all.iter().find(|s| s.path == path).map_or("", |s| s.text.as_str());
+                    if !exists(all, path) || !(function.is_empty() || text.contains(&format!("fn {function}("))) {
+                        faults.push(format!("{}: there is no `{name}`", page.path));
+                    }
+                }
+            }
+        }
+        faults
+    }
 }
 
 /// Every line that contains one of the words.
@@ -159,6 +186,30 @@ fn lines_with(all: &[Source], words: &[&str], why: &str) -> Vec<String> {
         }
     }
     faults
+}
+
+/// Is there such a file, or a folder with files?
+fn exists(all: &[Source], path: &str) -> bool {
+    all.iter().any(|s| s.path.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('/')))
+}
+
+/// The path that a link in a page of this folder leads to.
+fn resolve(folder: &str, link: &str) -> String {
+    let mut parts: Vec<&str> = folder.split('/').filter(|p| !p.is_empty()).collect();
+    for part in link.split('/') {
+        match part {
+            "." => {}
+            ".." => drop(parts.pop()),
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+/// Does it look like a path in the checkout? It begins with a folder of the root.
+fn is_path(all: &[Source], name: &str) -> bool {
+    let Some((folder, rest)) = name.split_once('/') else { return false };
+    !rest.contains([' ', '*', '<']) && all.iter().any(|s| s.path.split_once('/').is_some_and(|(f, _)| f == folder))
 }
 
 /// Where the word stands alone.
@@ -178,6 +229,7 @@ fn each_rule_refuses_a_bad_sample() {
         Source::sample("ir/Cargo.toml", "[dependencies]\nwheel-a.workspace = true\n"),
         Source::sample("ir/src/lib.rs", "//! What it is.\n//!\n//! ```\n//! assert!(true);\n//! ```\n"),
         Source::sample("backend-spirv/src/lib.rs", "//! What it will be.\n"),
+        Source::sample("docs/b.md", "See [that](../ir/src/lib.rs) and `cargo a/b`."),
         Source::sample(
             "lib-render/src/bsdf/a.rs",
             "//! Walter et al. 2007.\n// SAFETY: it is.\nunsafe { f() }\ntype F = unsafe extern \"C\" fn();\n",
@@ -196,6 +248,9 @@ fn each_rule_refuses_a_bad_sample() {
         ("unsafe_states_its_reason", "ir/tests/a.rs", "// SAFETY: of something else\n\nlet a = unsafe { f() };"),
         ("unsafe_states_its_reason", "ir/tests/a.rs", "unsafe impl Send for A {}"),
         ("files_say_what_they_are", "ir/src/a.rs", "use a::b;"),
+        ("pages_name_what_exists", "README.md", "See `ir/src/gone.rs`."),
+        ("pages_name_what_exists", "README.md", "See `ir/src/lib.rs::gone`."),
+        ("pages_name_what_exists", "docs/a.md", "See [this](../ir/src/gone.rs)."),
         ("dependencies_have_a_reason", "Cargo.toml", "[workspace.dependencies]\na = \"1\"\n"),
         ("dependencies_have_a_reason", "ir/Cargo.toml", "[dependencies]\na = { version = \"1\" }\n"),
     ];
