@@ -12,6 +12,8 @@ pub struct Limits {
     pub node_depth: usize,
     /// Instances of meshes.
     pub instances: usize,
+    /// Triangles in the world, counted with their instances: a few nodes can repeat a large mesh without end.
+    pub triangles: u64,
     /// Bytes of all vertex attributes and triangles together, decoded.
     pub geometry_bytes: u64,
     /// Elements of an accessor without a buffer view, which a few bytes of JSON can make as long as they like.
@@ -31,6 +33,7 @@ impl Default for Limits {
             json_values: 8 << 20,
             node_depth: 1024,
             instances: 1 << 24,
+            triangles: 1 << 26,
             geometry_bytes: 4 << 30,
             zero_elements: 1 << 22,
             image_side: 16384,

@@ -18,6 +18,7 @@ impl<'a> Loader<'a> {
         let first = self.scene.meshes.len();
         for primitive in at.list("primitives")? {
             if let Some(mesh) = self.primitive(&primitive, at.name())? {
+                self.bounds.push(mesh.bounds());
                 self.scene.meshes.push(mesh);
             }
         }

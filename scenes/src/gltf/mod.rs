@@ -19,6 +19,7 @@ mod texture;
 use crate::error::warn;
 use crate::{Error, Limits, Scene};
 use buffer::Bytes;
+use glam::Vec3;
 use json::Json;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -53,6 +54,9 @@ struct Loader<'a> {
     /// `None` where the image cannot be had.
     textures: HashMap<usize, Option<usize>>,
     images: HashMap<usize, Option<usize>>,
+    /// Of each of the scene's meshes, for the nodes that repeat it.
+    bounds: Vec<(Vec3, Vec3)>,
+    triangles_left: u64,
     geometry_left: u64,
     images_left: u64,
 }
@@ -81,6 +85,8 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
         materials: HashMap::new(),
         textures: HashMap::new(),
         images: HashMap::new(),
+        bounds: Vec::new(),
+        triangles_left: limits.triangles,
         geometry_left: limits.geometry_bytes,
         images_left: limits.images_bytes,
     };

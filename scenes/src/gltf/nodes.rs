@@ -65,7 +65,7 @@ impl<'a> Loader<'a> {
     }
 
     fn instance(&mut self, node: &Json<'a>, mesh: usize, to_world: DAffine3) -> Result<(), Error> {
-        let (low, high) = self.scene.meshes[mesh].bounds();
+        let (low, high) = self.bounds[mesh];
         let corner = |i: u32| {
             let pick = |axis: usize| f64::from(if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
             to_world.transform_point3(DVec3::from_array([0, 1, 2].map(pick)))
@@ -78,6 +78,11 @@ impl<'a> Loader<'a> {
             let limit = format!("{} (instances)", self.limits.instances);
             return Err(node.limit_fault("one more instance".into(), limit));
         }
+        let triangles = self.scene.meshes[mesh].triangles.len() as u64;
+        self.triangles_left = self.triangles_left.checked_sub(triangles).ok_or_else(|| {
+            let limit = format!("{} in the world (triangles)", self.limits.triangles);
+            node.limit_fault(format!("the scene up to here, {triangles} triangles more,"), limit)
+        })?;
         self.scene.instances.push(Instance { mesh, to_world });
         Ok(())
     }

@@ -131,6 +131,7 @@ fn every_limit_is_kept() {
         ("json_values", Limits { json_values: 10, ..all() }),
         ("node_depth", Limits { node_depth: 1, ..all() }),
         ("instances", Limits { instances: 1, ..all() }),
+        ("triangles", Limits { triangles: 1, ..all() }),
         ("geometry_bytes", Limits { geometry_bytes: 47, ..all() }),
         ("zero_elements", Limits { zero_elements: 2, ..all() }),
         ("image_side", Limits { image_side: 7, ..all() }),
