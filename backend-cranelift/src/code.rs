@@ -30,6 +30,7 @@ unsafe impl Send for Code {}
 /// A kernel's code in its place.
 struct Linked {
     function: extern "C" fn(*const Binding, *const u32, *mut u32) -> u32,
+    bindings: usize,
     args: usize,
     results: usize,
     report: KernelReport,
@@ -113,7 +114,8 @@ impl Kernel<'_> {
     /// NaN among the results may have any bits.
     ///
     /// # Panics
-    /// When the numbers of arguments or results are not [`Self::args`] and [`Self::results`].
+    /// When the numbers of arguments or results are not [`Self::args`] and [`Self::results`], or there are fewer bindings
+    /// than the program has buffers.
     ///
     /// # Safety
     /// For each buffer that the kernel touches, `bindings` holds its memory: so many rows as it says, at least one for a
@@ -124,6 +126,7 @@ impl Kernel<'_> {
     pub unsafe fn call(&self, bindings: &[Binding], args: &[u32], results: &mut [u32]) -> Status {
         assert_eq!(args.len(), self.linked.args, "words of arguments of kernel `{}`", self.linked.report.name);
         assert_eq!(results.len(), self.linked.results, "words of results of kernel `{}`", self.linked.report.name);
+        assert!(bindings.len() >= self.linked.bindings, "bindings of kernel `{}`", self.linked.report.name);
         match (self.linked.function)(bindings.as_ptr(), args.as_ptr(), results.as_mut_ptr()) {
             0 => Status::Done,
             _ => Status::Limit,
@@ -164,8 +167,8 @@ fn link(target: &Target, kernels: Vec<Unlinked>) -> Result<Code, Error> {
         let function = unsafe {
             std::mem::transmute::<*const u8, extern "C" fn(*const Binding, *const u32, *mut u32) -> u32>(address)
         };
-        let Unlinked { name, args, results, report, dumps, .. } = kernel;
-        code.kernels.push(Linked { function, args, results, report, dumps });
+        let Unlinked { name, bindings, args, results, report, dumps, .. } = kernel;
+        code.kernels.push(Linked { function, bindings, args, results, report, dumps });
         if code.number.insert(name.clone(), code.kernels.len() - 1).is_some() {
             return Err(Error::SameName(name));
         }

@@ -43,6 +43,8 @@ pub(crate) struct Machine {
 pub(crate) struct Unlinked {
     pub name: String,
     pub functions: Vec<Machine>,
+    /// Bindings that it takes: all of the program's, if it touches any.
+    pub bindings: usize,
     pub args: usize,
     pub results: usize,
     pub report: KernelReport,
@@ -98,8 +100,16 @@ pub(crate) fn kernel(
     };
     let text = |f: fn(&Machine) -> &str| functions.iter().map(f).collect::<Vec<_>>().join("\n");
     let dumps = options.dumps.then(|| (text(|f| &f.clif), text(|f| &f.asm)));
-    let Shape { params, results, .. } = &unit.shapes[0];
-    Ok(Unlinked { name: name.to_owned(), args: params.len(), results: results.len(), report, dumps, functions })
+    let Shape { params, results, bindings, .. } = &unit.shapes[0];
+    Ok(Unlinked {
+        name: name.to_owned(),
+        bindings: if *bindings { program.buffers.len() } else { 0 },
+        args: params.len(),
+        results: results.len(),
+        report,
+        dumps,
+        functions,
+    })
 }
 
 impl<'p> Unit<'p> {

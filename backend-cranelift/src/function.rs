@@ -11,11 +11,11 @@ use cranelift_codegen::isa::TargetFrontendConfig;
 use cranelift_frontend::{FunctionBuilder, Switch};
 use jerboa_ir::cfg::{Cfg, Exit, Function};
 use jerboa_ir::schedule::Schedule;
-use jerboa_ir::{Body, ContId, Lit, Mem, Node, NodeId, Op, Program, Scalar};
+use jerboa_ir::{Body, Column, ContId, Lit, Mem, Node, NodeId, Op, Program, Scalar};
 use rustc_hash::FxHashMap;
 
 use crate::abi::{POINTER, Shape, clif, lanes};
-use crate::memory::{self, Buffers, Local};
+use crate::memory::{self, Buffers, Local, Place};
 use crate::ops;
 
 /// What is known of a kernel before its functions are emitted.
@@ -160,6 +160,7 @@ impl Emitter<'_> {
     fn switch_to(&mut self, block: Block) {
         self.b.switch_to_block(block);
         self.literals.clear();
+        self.buffers.begin_block();
     }
 
     /// Returns the status `Limit` if the value is not 0, else goes on.
@@ -207,8 +208,7 @@ impl Emitter<'_> {
             Node::Pack(elems) => elems.iter().map(|x| self.scalar(*x)).collect(),
             Node::Lane { vector, lane } => vec![self.lane(*vector, *lane as usize)],
             Node::Read { column, index } => {
-                let index = self.scalar(*index);
-                let place = self.buffers.clamped(&mut self.b, *column, index);
+                let place = self.clamped(*column, *index);
                 // A reference is stored as its index.
                 let scalar = p.column(*column).ty.ty().as_scalar().unwrap_or(Scalar::U32);
                 vec![memory::load(&mut self.b, scalar, &place, MemFlagsData::trusted().with_readonly())]
@@ -401,17 +401,29 @@ impl Emitter<'_> {
     fn load(&mut self, mem: &Mem, index: NodeId, next: NodeId) -> Result<Value, String> {
         let next = self.unit.program.cont(self.target(next));
         let scalar = next.params.first().and_then(|p| p.ty.as_scalar()).ok_or("a load gives no scalar")?;
-        let index = self.scalar(index);
         let mut flags = MemFlagsData::trusted();
         let place = match mem {
-            Mem::Stream(column) => self.buffers.clamped(&mut self.b, *column, index),
+            Mem::Stream(column) => self.clamped(*column, index),
             Mem::Unchecked(column) => {
                 flags = flags.with_readonly();
+                let index = self.scalar(index);
                 self.buffers.unchecked(&mut self.b, *column, index)
             }
-            Mem::Local(x) => self.local(*x)?.clamped(&mut self.b, index),
+            Mem::Local(x) => {
+                let (local, index) = (self.local(*x)?, self.scalar(index));
+                local.clamped(&mut self.b, index)
+            }
         };
         Ok(memory::load(&mut self.b, scalar, &place, flags))
+    }
+
+    /// The word of a row, or of the last one.
+    fn clamped(&mut self, column: Column, index: NodeId) -> Place {
+        if self.unit.program.as_lit(index) == Some(Lit::U32(0)) {
+            return self.buffers.first(column);
+        }
+        let index = self.scalar(index);
+        self.buffers.clamped(&mut self.b, column, index)
     }
 
     /// Stores, unless the index is out of range.

@@ -30,6 +30,8 @@ pub(crate) struct Place {
 pub(crate) struct Buffers {
     columns: FxHashMap<Column, Strided>,
     rows: FxHashMap<BufId, Rows>,
+    /// Distance in bytes from row 0 to a clamped row, which all columns of a buffer share. Made in the block at hand.
+    distances: FxHashMap<(BufId, Value), Value>,
 }
 
 /// Words at equal distances.
@@ -91,13 +93,30 @@ impl Buffers {
     /// The word of this row, which is less than the number of rows.
     pub fn unchecked(&self, b: &mut FunctionBuilder, column: Column, row: Value) -> Place {
         let Strided { base, offset, stride } = self.columns[&column];
-        Place { address: element(b, base, row, stride), offset }
+        let distance = distance(b, row, stride);
+        Place { address: b.ins().iadd(base, distance), offset }
     }
 
     /// The word of this row, or of the last one.
-    pub fn clamped(&self, b: &mut FunctionBuilder, column: Column, row: Value) -> Place {
-        let row = b.ins().umin(row, self.rows[&column.buf].last);
-        self.unchecked(b, column, row)
+    pub fn clamped(&mut self, b: &mut FunctionBuilder, column: Column, row: Value) -> Place {
+        let Strided { base, offset, stride } = self.columns[&column];
+        let last = self.rows[&column.buf].last;
+        let distance = *self.distances.entry((column.buf, row)).or_insert_with(|| {
+            let row = b.ins().umin(row, last);
+            distance(b, row, stride)
+        });
+        Place { address: b.ins().iadd(base, distance), offset }
+    }
+
+    /// The word of row 0, which every table has; of a stream without rows a word 0.
+    pub fn first(&self, column: Column) -> Place {
+        let Strided { base, offset, .. } = self.columns[&column];
+        Place { address: base, offset }
+    }
+
+    /// Another block begins: what was made in this one may not dominate it.
+    pub fn begin_block(&mut self) {
+        self.distances.clear();
     }
 
     /// The number of rows.
@@ -178,7 +197,8 @@ impl Local {
     /// The word of this element, which is less than the length.
     pub fn unchecked(self, b: &mut FunctionBuilder, index: Value) -> Place {
         let base = b.ins().stack_addr(POINTER, self.slot, 0);
-        Place { address: element(b, base, index, 4), offset: 0 }
+        let distance = distance(b, index, 4);
+        Place { address: b.ins().iadd(base, distance), offset: 0 }
     }
 
     /// The number of elements.
@@ -207,11 +227,10 @@ pub(crate) fn nth_word(address: Value, n: usize) -> Place {
     Place { address, offset: n as i32 * 4 }
 }
 
-/// The address of an element.
-fn element(b: &mut FunctionBuilder, base: Value, index: Value, stride: u32) -> Value {
-    let index = b.ins().uextend(types::I64, index);
-    let bytes = if stride == 4 { b.ins().ishl_imm_u(index, 2) } else { b.ins().imul_imm_u(index, i64::from(stride)) };
-    b.ins().iadd(base, bytes)
+/// Bytes from row 0 to this row.
+fn distance(b: &mut FunctionBuilder, row: Value, stride: u32) -> Value {
+    let row = b.ins().uextend(types::I64, row);
+    if stride == 4 { b.ins().ishl_imm_u(row, 2) } else { b.ins().imul_imm_u(row, i64::from(stride)) }
 }
 
 /// The address of a word 0 in the frame.

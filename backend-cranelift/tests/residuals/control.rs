@@ -1,5 +1,6 @@
 //! Loops, switches, calls and recursion.
 
+use jerboa_backend_cranelift::{Error, Options, compile};
 use jerboa_ir::*;
 
 use crate::build::{Build, agree, residual};
@@ -286,4 +287,21 @@ fun turn(v: f32x3, s: f32, return: fn(f32x3))
     let args = [Lit::f32(1.0), Lit::f32(2.0), Lit::f32(-3.0), Lit::U32(4)];
     let expected = [0.125, -0.1875, 0.0625].map(Lit::f32);
     assert_eq!(agree(&p, "f", &args, &[]), Some([&expected[..], &[Lit::Bool(true)]].concat()));
+}
+
+#[test]
+fn what_cannot_be_compiled_is_an_error_that_names_the_kernel() {
+    let one = residual("entry one = f\nfun f(x: u32, return: fn(u32))\n  jump return(x)\n");
+    let same = compile(&[&one, &one], &Options::default()).map(drop);
+    assert_eq!(same, Err(Error::SameName("one".to_owned())));
+    let generic = [
+        "fun f(g: fn(fn()), return: fn())\n  jump g(return)\n",
+        "fun f(x: u32, return: fn(u32))\n  t = tuple x x\n  y = extract t 1\n  z = tuple y t\n  u = extract z 0\n  jump g(z, \
+         return)\nfun g(t: (u32, (u32, u32)), return: fn(u32))\n  y = extract t 0\n  jump return(y)\n",
+    ];
+    for text in generic {
+        let p = residual(&format!("entry one = f\n{text}"));
+        let error = compile(&[&p], &Options::default()).map(drop).expect_err("it is generic").to_string();
+        assert!(error.contains("`one`") && error.contains("first-order"), "{error}");
+    }
 }
