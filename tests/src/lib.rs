@@ -21,5 +21,6 @@ pub mod knowledge;
 pub mod machine;
 pub mod programs;
 pub mod refold;
+pub mod trial;
 pub mod values;
 pub mod sources;

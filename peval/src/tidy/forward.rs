@@ -1,7 +1,7 @@
 //! Law: a block that only passes its parameters on is where it passes them to.
 //!
 //! So a call whose return only returns becomes a tail call, and an empty arm becomes its join. A branch whose sides are
-//! the same block is a jump.
+//! the same block, or whose condition other passes have made known, is a jump.
 
 use jerboa_ir::*;
 use rustc_hash::FxHashMap;
@@ -12,12 +12,20 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
     same_sides(draft) + pass_on(draft, false) + pass_on(draft, true)
 }
 
-/// Branches and switches that do not matter.
+/// Branches and switches that do not matter, or are decided.
 fn same_sides(draft: &mut Draft) -> u64 {
     let mut changes = 0;
     for c in draft.order() {
+        let known = match *draft.body(c) {
+            Body::Branch { cond: x, .. } | Body::Switch { index: x, .. } => draft.p().as_lit(x).map(Lit::word),
+            _ => None,
+        };
         let to = match &mut draft.world.cont_mut(c).body {
             Body::Branch { then, other, .. } if then == other => *then,
+            Body::Branch { then, other, .. } if known.is_some() => if known == Some(0) { *other } else { *then },
+            Body::Switch { arms, default, .. } if known.is_some() => {
+                arms.iter().find(|(number, _)| known == Some(*number)).map_or(*default, |(_, arm)| *arm)
+            }
             Body::Switch { arms, default, .. } => {
                 let before = arms.len();
                 arms.retain(|(_, arm)| arm != default);

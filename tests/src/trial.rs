@@ -1,0 +1,295 @@
+//! One random program put through every engine and every stage.
+
+use std::collections::BTreeSet;
+
+use jerboa_backend_cranelift as cranelift;
+use jerboa_ir::interp::{Interp, Limits, Memory, Observer, Stop};
+use jerboa_ir::*;
+use jerboa_peval::{Arg, Error, Facts, Generic, Options, specialize};
+
+use crate::choices::Choices;
+use crate::knowledge::{Level, classify};
+use crate::machine::call;
+use crate::programs::Case;
+use crate::refold::refold;
+
+/// Inputs of each program.
+const INPUTS: u64 = 32;
+
+/// A run that needs more has no result to compare.
+const LIMITS: Limits = Limits { fuel: 100_000, cells: 1 << 20 };
+
+/// What happened, over all programs.
+#[derive(Default, Debug)]
+pub struct Tally {
+    /// Runs of generic programs.
+    pub runs: u64,
+    /// Runs that reached a limit, or whose program reached a budget of the evaluator.
+    pub unfinished: u64,
+    /// Operations that the interpreter has executed in generic programs.
+    pub interpreted: BTreeSet<Op>,
+    /// … that the evaluator has left in residuals, and the interpreter has executed there.
+    pub left: BTreeSet<Op>,
+    /// … that were compiled to machine code.
+    pub compiled: BTreeSet<Op>,
+}
+
+impl Tally {
+    /// Both together.
+    pub fn add(&mut self, other: Tally) {
+        self.runs += other.runs;
+        self.unfinished += other.unfinished;
+        self.interpreted.extend(other.interpreted);
+        self.left.extend(other.left);
+        self.compiled.extend(other.compiled);
+    }
+}
+
+/// What a run leaves behind: results and memory, or why there are none.
+type Outcome = Result<(Vec<Lit>, Vec<Memory>), Stop>;
+
+/// A program, what is known of it, and what it does on some inputs.
+struct Trial<'c> {
+    case: &'c Case,
+    memory: Vec<Memory>,
+    facts: Facts,
+    split: Split,
+    /// Arguments, and what they lead to; only runs within the limits.
+    runs: Vec<(Vec<Lit>, Outcome)>,
+}
+
+/// Put a program through every engine and every stage, on inputs from this seed.
+///
+/// # Errors
+/// Where the first difference is, in words.
+pub fn check(case: &Case, seed: u64, tally: &mut Tally) -> Result<(), String> {
+    clean("the program", &verify(&case.program), &case.program)?;
+    round_trip(&case.program)?;
+    let trial = Trial::new(case, seed, tally)?;
+    trial.check_construction()?;
+    let generic = Generic::new(case.program.clone());
+    let residual = match trial.specialize(&generic, Options::default())? {
+        Some(residual) => residual,
+        None => {
+            tally.unfinished += INPUTS;
+            return Ok(());
+        }
+    };
+    trial.check_residual("the residual", &residual, tally)?;
+    for (stage, options) in [
+        ("the residual before it is tidied", Options { tidy: false, ..Options::default() }),
+        ("the residual in chaos", Options { chaos: Some(seed), ..Options::default() }),
+    ] {
+        if let Some(other) = trial.specialize(&generic, options)? {
+            trial.check_residual(stage, &other, tally)?;
+        }
+    }
+    trial.check_again(&residual)?;
+    round_trip(&residual)?;
+    trial.check_machine_code(&residual, tally)
+}
+
+impl<'c> Trial<'c> {
+    fn new(case: &'c Case, seed: u64, tally: &mut Tally) -> Result<Trial<'c>, String> {
+        let mut c = Choices::random(seed);
+        let mut memory = case.memory.clone();
+        let facts = classify(&case.program, &mut memory, c.pick(&[Level::Nothing, Level::Structure, Level::All]));
+        let split = Split::new(case, &mut c);
+        let mut runs = Vec::new();
+        for _ in 0..INPUTS {
+            let args = split.input(case.arguments(&mut c));
+            let outcome = interpret(&case.program, case.main, &args, &memory, &mut tally.interpreted);
+            tally.runs += 1;
+            match outcome {
+                Err(Stop::Fault { .. }) => return Err(format!("interpreter, on {args:?}: {outcome:?}")),
+                Err(_) => tally.unfinished += 1,
+                Ok(_) => runs.push((args, outcome)),
+            }
+        }
+        Ok(Trial { case, memory, facts, split, runs })
+    }
+
+    /// Folding while a program is built changes nothing.
+    fn check_construction(&self) -> Result<(), String> {
+        let folded = refold(&self.case.program, self.case.main, &self.split.literals());
+        clean("the program built again", &verify(&folded), &folded)?;
+        self.compare("the program built again", &folded, |args| {
+            interpret(&folded, self.case.main, args, &self.memory, &mut BTreeSet::new())
+        })
+    }
+
+    /// The residual; none if the evaluator's budget does not suffice.
+    fn specialize(&self, generic: &Generic, options: Options) -> Result<Option<Program>, String> {
+        match specialize(generic, "main", &self.split.known, &self.facts, &options) {
+            Ok(residual) => Ok(Some(residual.program)),
+            Err(Error::Budget { .. } | Error::TooLarge { .. }) => Ok(None),
+            Err(e) => Err(format!("evaluator, {options:?}, knowing {:?}: {e}", self.split.known)),
+        }
+    }
+
+    fn check_residual(&self, stage: &str, residual: &Program, tally: &mut Tally) -> Result<(), String> {
+        clean(stage, &verify_residual(residual), residual)?;
+        let main = residual.entry("main").expect("the residual has the entry");
+        self.compare(stage, residual, |args| {
+            interpret(residual, main, &self.split.unknown(args), &self.memory, &mut tally.left)
+        })
+    }
+
+    /// Specialising a residual again changes nothing, if nothing more is known.
+    fn check_again(&self, residual: &Program) -> Result<(), String> {
+        let main = residual.entry("main").expect("the residual has the entry");
+        let args = vec![Arg::Unknown; residual.cont(main).params.len() - 1];
+        let generic = Generic::new(residual.clone());
+        let again = specialize(&generic, "main", &args, &Facts::none(), &Options::default());
+        let again = again.map_err(|e| format!("the residual does not specialise: {e}\n{}", print(residual)))?.program;
+        if bare(residual) == bare(&again) {
+            return Ok(());
+        }
+        Err(format!("specialised twice:\n{}\nbecomes\n{}", print(residual), print(&again)))
+    }
+
+    fn check_machine_code(&self, residual: &Program, tally: &mut Tally) -> Result<(), String> {
+        let main = residual.entry("main").expect("the residual has the entry");
+        for opt in [cranelift::Opt::None, cranelift::Opt::Speed] {
+            let options = cranelift::Options { opt, verify: true, dumps: false };
+            let code = cranelift::compile(&[residual], &options).map_err(|e| format!("back end: {e}\n{}", print(residual)))?;
+            let kernel = code.kernel("main").expect("main is compiled");
+            self.compare(&format!("machine code ({opt:?})"), residual, |args| {
+                let mut memory = self.memory.clone();
+                let results = call(kernel, residual, main, &self.split.unknown(args), &mut memory)?;
+                Ok((results, canonical(residual, memory)))
+            })?;
+        }
+        for node in &Reach::of(residual).nodes {
+            if let Node::Prim { op, .. } = residual.node(*node) {
+                tally.compiled.insert(*op);
+            }
+        }
+        Ok(())
+    }
+
+    /// Does another run of each input lead to the same? A run that reaches a limit is not compared.
+    fn compare(&self, stage: &str, p: &Program, mut run: impl FnMut(&[Lit]) -> Outcome) -> Result<(), String> {
+        for (args, expected) in &self.runs {
+            let outcome = run(args);
+            if outcome != *expected && !matches!(outcome, Err(Stop::Limit | Stop::Fuel)) {
+                let knowing = &self.split.known;
+                return Err(format!(
+                    "{stage}, knowing {knowing:?}, on {args:?}:\n  expected {expected:?}\n  got      {outcome:?}\n{}",
+                    print(p)
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn clean(stage: &str, faults: &[Fault], p: &Program) -> Result<(), String> {
+    match faults.first() {
+        None => Ok(()),
+        Some(fault) => Err(format!("{stage} has {} faults, the first: {fault}\n{}", faults.len(), print(p))),
+    }
+}
+
+/// The text of a residual without its hints: names, and what the blocks were made for.
+fn bare(p: &Program) -> String {
+    let mut p = p.clone();
+    p.names.clear();
+    for c in &mut p.conts {
+        c.name = "".into();
+        c.params.iter_mut().for_each(|param| param.name = None);
+        if c.role != Role::Fun {
+            c.role = Role::Rest;
+        }
+    }
+    print(&p)
+}
+
+/// The text of a program reads back to a program of the same text.
+fn round_trip(p: &Program) -> Result<(), String> {
+    let text = print(p);
+    let again = parse(&text).map_err(|e| format!("the text does not read back: {e}\n{text}"))?;
+    let twice = print(&again);
+    if twice == text { Ok(()) } else { Err(format!("the text\n{text}\nreads back as\n{twice}")) }
+}
+
+fn interpret(p: &Program, main: ContId, args: &[Lit], memory: &[Memory], ops: &mut BTreeSet<Op>) -> Outcome {
+    /// Collects the operations that are evaluated.
+    struct Ops<'p>(&'p Program, &'p mut BTreeSet<Op>);
+    impl Observer for Ops<'_> {
+        fn value(&mut self, node: NodeId, _: Lit) {
+            if let Node::Prim { op, .. } = self.0.node(node) {
+                self.1.insert(*op);
+            }
+        }
+    }
+    let mut memory = memory.to_vec();
+    let results = Interp::new(p).run_observed(main, args, &mut memory, LIMITS, &mut Ops(p, ops))?;
+    Ok((results, canonical(p, memory)))
+}
+
+/// Every NaN in memory becomes the one NaN, as a load makes it.
+fn canonical(p: &Program, mut memory: Vec<Memory>) -> Vec<Memory> {
+    for (buffer, m) in p.buffers.iter().zip(&mut memory) {
+        for (col, _) in buffer.columns.iter().enumerate().filter(|(_, c)| c.ty == ColTy::Scalar(Scalar::F32)) {
+            for row in 0..m.rows as usize {
+                let word = &mut m.words[buffer.word(m.rows as usize, row, col)];
+                *word = Lit::from_word(Scalar::F32, *word).word();
+            }
+        }
+    }
+    memory
+}
+
+/// Which arguments the evaluator knows.
+struct Split {
+    /// For each parameter of `main`.
+    known: Vec<Arg>,
+    /// Number of lanes of each parameter.
+    lanes: Vec<usize>,
+}
+
+impl Split {
+    /// Nothing, all scalars, or some of them.
+    fn new(case: &Case, c: &mut Choices) -> Split {
+        let mode = c.below(4);
+        let args = case.arguments(c);
+        let lanes: Vec<usize> = case.params().iter().map(|t| t.lanes().expect("main takes data").1).collect();
+        let mut at = 0;
+        let known = |lanes: &usize| {
+            at += lanes;
+            let known = *lanes == 1 && (mode == 1 || mode > 1 && c.one_in(2));
+            if known { Arg::Known(args[at - lanes]) } else { Arg::Unknown }
+        };
+        Split { known: lanes.iter().map(known).collect(), lanes }
+    }
+
+    /// These arguments, less what is known.
+    fn unknown(&self, args: &[Lit]) -> Vec<Lit> {
+        self.zip(args).filter(|(known, _)| matches!(known, Arg::Unknown)).flat_map(|(_, lits)| lits.to_vec()).collect()
+    }
+
+    /// These arguments with those that are known instead.
+    fn input(&self, args: Vec<Lit>) -> Vec<Lit> {
+        let lits = self.zip(&args).flat_map(|(known, lits)| match known {
+            Arg::Known(lit) => vec![lit],
+            _ => lits.to_vec(),
+        });
+        lits.collect()
+    }
+
+    /// As [`refold`] takes it.
+    fn literals(&self) -> Vec<Option<Vec<Lit>>> {
+        let literal = |arg: &Arg| if let Arg::Known(lit) = arg { Some(vec![*lit]) } else { None };
+        self.known.iter().map(literal).collect()
+    }
+
+    fn zip<'a>(&'a self, args: &'a [Lit]) -> impl Iterator<Item = (Arg, &'a [Lit])> {
+        let mut rest = args;
+        self.known.iter().zip(&self.lanes).map(move |(known, lanes)| {
+            let (own, others) = rest.split_at(*lanes);
+            rest = others;
+            (*known, own)
+        })
+    }
+}
