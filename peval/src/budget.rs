@@ -23,7 +23,7 @@ pub struct Budget {
 
 impl Default for Budget {
     fn default() -> Budget {
-        Budget { unfoldings: 1 << 16, nodes: 1 << 20, cells: 1 << 23, copies: 400, classes: 64 }
+        Budget { unfoldings: 1 << 13, nodes: 1 << 18, cells: 1 << 22, copies: 400, classes: 64 }
     }
 }
 

@@ -19,6 +19,10 @@ use crate::log::{Decision, Reason};
 use crate::machine::{Machine, Step};
 use crate::value::{FrameId, NO_CLASS, Value};
 
+/// Closures that an environment may reach; a larger one is no function worth sharing, and looking at it again for each
+/// copy of a growing argument would take quadratic time. The largest component of a renderer reaches some hundred.
+const MOST_CLOSURES: usize = 4096;
+
 /// What identifies a residual function, and what a call must pass to it.
 #[derive(Default)]
 struct Lift {
@@ -212,6 +216,9 @@ impl Machine<'_> {
         }
         let mut next = 0;
         while let Some(&(c, f)) = lift.closures.get(next) {
+            if next == MOST_CLOSURES {
+                return None;
+            }
             lift.key.push(c.0);
             for free in &self.scope.free[c.index()] {
                 let Node::Param { cont, index } = *self.p.node(*free) else { unreachable!("free variables are parameters") };

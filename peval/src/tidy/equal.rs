@@ -8,22 +8,29 @@
 
 use std::hash::{Hash, Hasher};
 
+use jerboa_ir::dom::DomTree;
 use jerboa_ir::*;
 use rustc_hash::{FxHashMap, FxHashSet, FxHasher};
 
 use super::draft::{Draft, Subst};
 
+/// How far along the edges hashes look, and with how many of equal hash a continuation is compared: so that the pass
+/// stays linear where a program is one long chain of nearly equal pieces.
+const ROUNDS: usize = 8;
+const CANDIDATES: usize = 4;
+/// Nodes that all comparisons may look at together, for each node of the program.
+const STEPS: usize = 16;
+
 pub(crate) fn run(draft: &mut Draft) -> u64 {
     let order = draft.order();
     let hashes = refine(draft, &order);
     let mut groups: FxHashMap<u64, Vec<ContId>> = FxHashMap::default();
-    // What a failed comparison costs is bounded, so that the pass stays linear.
-    let mut steps = 64 * draft.p().nodes.len();
+    let mut steps = STEPS * (draft.p().nodes.len() + draft.p().conts.len());
     let mut subst = Subst::default();
-    let scope = Scope::new(draft.p());
+    let dom = Dominance::new(draft);
     for c in &order {
         let group = groups.entry(hashes[c.index()]).or_default();
-        match group.iter().find(|first| *c != draft.entry && Compare::new(draft, &scope, &mut steps).equal(*c, **first)) {
+        match group.iter().rev().take(CANDIDATES).find(|first| steps > 0 && *c != draft.entry && Compare::new(draft, &dom, &mut steps).equal(*c, **first)) {
             Some(first) => {
                 let (from, to) = (draft.world.cont_value(*c), draft.world.cont_value(*first));
                 subst.insert(from, to);
@@ -63,22 +70,16 @@ fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
         draft.body(*c).operands(&mut |x| all.push(nodes[x.index()]));
         hashes[c.index()] = hash_of(all);
     }
-    let count = |hashes: &[u64]| order.iter().map(|c| hashes[c.index()]).collect::<FxHashSet<_>>().len();
-    let mut classes = count(&hashes);
-    loop {
+    for _ in 0..ROUNDS {
         let mut next = hashes.clone();
         for c in order {
             let mut all = vec![hashes[c.index()]];
             draft.body(*c).operands(&mut |x| all.extend(draft.cont_of(x).map(|to| hashes[to.index()])));
             next[c.index()] = hash_of(all);
         }
-        let refined = count(&next);
         hashes = next;
-        if refined <= classes {
-            return hashes;
-        }
-        classes = refined;
     }
+    hashes
 }
 
 /// What a body does, without its operands.
@@ -97,21 +98,62 @@ fn kind(body: &Body) -> u64 {
     }
 }
 
+/// Which continuation is on every way from the entry to another, in its function.
+struct Dominance {
+    /// Place of each continuation in reverse postorder.
+    number: Vec<u32>,
+    tree: DomTree,
+}
+
+impl Dominance {
+    fn new(draft: &Draft) -> Dominance {
+        let mut number = vec![u32::MAX; draft.p().conts.len()];
+        let mut postorder = Vec::new();
+        let mut stack = vec![(draft.entry, false)];
+        while let Some((c, done)) = stack.pop() {
+            if done {
+                postorder.push(c);
+            } else if std::mem::replace(&mut number[c.index()], 0) == u32::MAX {
+                stack.push((c, true));
+                draft.body(c).operands(&mut |x| stack.extend(draft.cont_of(x).map(|to| (to, false))));
+            }
+        }
+        postorder.reverse();
+        for (i, c) in postorder.iter().enumerate() {
+            number[c.index()] = i as u32;
+        }
+        let mut preds: Vec<Vec<u32>> = vec![Vec::new(); postorder.len()];
+        for (i, c) in postorder.iter().enumerate() {
+            draft.body(*c).operands(&mut |x| {
+                if let Some(to) = draft.cont_of(x) {
+                    let from = if draft.p().cont(to).role == Role::Fun { 0 } else { i as u32 };
+                    preds[number[to.index()] as usize].push(from);
+                }
+            });
+        }
+        Dominance { number, tree: DomTree::new(&preds) }
+    }
+
+    fn dominates(&self, above: ContId, below: ContId) -> bool {
+        self.tree.dominates(self.number[above.index()], self.number[below.index()])
+    }
+}
+
 /// One exact comparison: assumes that pairs are equal until they are not.
 struct Compare<'a> {
     draft: &'a Draft,
-    scope: &'a Scope,
+    dom: &'a Dominance,
     steps: &'a mut usize,
     pairs: FxHashMap<ContId, ContId>,
     nodes: FxHashSet<(NodeId, NodeId)>,
-    /// What both lead to.
-    shared: Vec<ContId>,
+    /// Do both lead to one continuation?
+    shared: bool,
 }
 
 impl<'a> Compare<'a> {
-    fn new(draft: &'a Draft, scope: &'a Scope, steps: &'a mut usize) -> Compare<'a> {
+    fn new(draft: &'a Draft, dom: &'a Dominance, steps: &'a mut usize) -> Compare<'a> {
         let (pairs, nodes) = (FxHashMap::default(), FxHashSet::default());
-        Compare { draft, scope, steps, pairs, nodes, shared: Vec::new() }
+        Compare { draft, dom, steps, pairs, nodes, shared: false }
     }
 
     fn equal(mut self, a: ContId, b: ContId) -> bool {
@@ -122,12 +164,10 @@ impl<'a> Compare<'a> {
                 return false;
             }
         }
-        // What both lead to must not depend on the parameters of what goes.
-        !self.shared.iter().any(|c| self.scope.free[c.index()].iter().any(|x| self.is_paired(*x)))
-    }
-
-    fn is_paired(&self, param: NodeId) -> bool {
-        matches!(self.draft.p().node(param), Node::Param { cont, .. } if self.pairs.contains_key(cont))
+        // What both lead to must not depend on parameters of what goes. It cannot where a way to the other side, and so
+        // to what is shared, avoids all that goes.
+        let goes = |c: &ContId| self.pairs.contains_key(c);
+        !self.shared || !(self.pairs.values().any(goes) || self.pairs.keys().any(|c| self.dom.dominates(*c, b)))
     }
 
     fn bodies(&mut self, a: ContId, b: ContId, stack: &mut Vec<(ContId, ContId)>) -> bool {
@@ -159,7 +199,7 @@ impl<'a> Compare<'a> {
                     None => x == y,
                 },
                 (Node::Cont(c), Node::Cont(d)) if c == d => {
-                    self.shared.push(*c);
+                    self.shared = true;
                     true
                 }
                 (Node::Cont(c), Node::Cont(d)) => self.pair(*c, *d, stack),
