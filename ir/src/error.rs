@@ -26,7 +26,7 @@ impl std::error::Error for TextError {}
 /// What is wrong with a program. Always a mistake of whoever made the program: its author, the evaluator or a pass.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fault {
-    /// The rule that is broken, as the table in [`crate::verify`] names it.
+    /// The rule that is broken, as the table in [`mod@crate::verify`] names it.
     pub rule: &'static str,
     /// Where.
     pub cont: Option<ContId>,

@@ -6,7 +6,7 @@
 //! few times and recursion goes a few levels down, so programs end; the number of statements is bounded, so they end soon.
 //!
 //! Law 4 is kept: no function value depends on an unknown. What has to stay in one residual function is marked as
-//! *tied* ([`Value::tied`]) and is not shown to functions that may stay calls.
+//! *tied* (`Value::tied`) and is not shown to functions that may stay calls.
 
 mod exprs;
 mod stmts;

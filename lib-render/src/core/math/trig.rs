@@ -53,7 +53,7 @@ pub fn atan2(y: F32, x: F32) -> F32 {
     let turned = small.gt(large * TAN_PI_8);
     let q = turned.select(small - large, small) / turned.select(small + large, large);
     let z = q * q;
-    let series = horner(z, &[8.053_744e-2, -1.387_768_6e-1, 1.997_771e-1, -3.333_294_9e-1]) * z * q + q;
+    let series = horner(z, &[8.053_744e-2, -1.387_768_6e-1, 1.997_771e-1, -3.333_295e-1]) * z * q + q;
     let octant = turned.select(series + FRAC_PI_4, series);
     let quadrant = ay.gt(ax).select(FRAC_PI_2 - octant, octant);
     let half = (x.bits() >> 31).eq(1u32).select(PI - quadrant, quadrant);
