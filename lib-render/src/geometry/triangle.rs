@@ -10,6 +10,9 @@ use crate::schema::{Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
 
 /// Bound on the relative error of seven roundings in a row (Higham 2002, Lemma 3.1): 7 · 2^-24 / (1 − 7 · 2^-24).
 pub const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
+/// The triangle test finds a plane through the origin of its ray within 8 · 2^-24 of the triangle's size; without this
+/// part a surface in a coordinate plane, whose points have no error there, would meet its coincident twin.
+const HIT_ERROR: f32 = 1.0 / 2_097_152.0;
 /// Below this length a sum of unit vectors is rounding noise: 2^-20, against errors of 2^-23.
 const NOISE: f32 = 1.0 / 1_048_576.0;
 
@@ -49,11 +52,13 @@ impl Triangle {
         p + q + r
     }
 
-    /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| (pbrt, 4th ed., 6.8.5).
+    /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| for the point itself (pbrt, 4th ed.,
+    /// 6.8.5), and [`HIT_ERROR`] of the longest edge for how well a ray that starts there can tell where this plane is.
     pub fn point(self) -> (Vec3, Vec3) {
         let at = self.positions();
         let [p, q, r] = std::array::from_fn(|i| (at[i] * self.weights[i]).abs());
-        (self.blend(at), (p + q + r) * F32::from(GAMMA_7))
+        let size = (at[1] - at[0]).abs().zip((at[2] - at[0]).abs(), F32::max).max_element();
+        (self.blend(at), (p + q + r).map(|e| e * GAMMA_7 + size * HIT_ERROR))
     }
 
     /// The edges from the first corner, each divided by one length, so that products neither overflow nor vanish.

@@ -43,7 +43,7 @@ fn bench(lights: usize) -> Bench {
 }
 
 /// Light `row` is a triangle or a parallelogram.
-fn set_area(bench: &mut Bench, row: usize, kind: u32, corner: [f32; 3], e1: [f32; 3], e2: [f32; 3], area: f32) {
+pub fn set_area(bench: &mut Bench, row: usize, kind: u32, corner: [f32; 3], e1: [f32; 3], e2: [f32; 3], area: f32) {
     bench.set(Lights::KIND, row, kind);
     bench.set(Lights::AREA, row, area);
     let columns = [Lights::P_X, Lights::P_Y, Lights::P_Z, Lights::E1_X, Lights::E1_Y, Lights::E1_Z, Lights::E2_X, Lights::E2_Y, Lights::E2_Z];

@@ -4,4 +4,5 @@
 mod bench;
 mod geometry;
 mod lights;
+mod spawn;
 mod traverse;

@@ -20,7 +20,7 @@ fn bench() -> Bench {
 }
 
 /// Put a tree on the bench.
-fn load(bench: &mut Bench, bvh: &Bvh, triangles: &[Triangle]) {
+pub fn load(bench: &mut Bench, bvh: &Bvh, triangles: &[Triangle]) {
     bench.rows::<Nodes>(bvh.nodes.len());
     for (row, node) in bvh.nodes.iter().enumerate() {
         for (column, word) in node.words().into_iter().enumerate() {
@@ -52,7 +52,7 @@ fn chain(triangles: &[Triangle]) -> Bvh {
 }
 
 /// A ray without end that skips nothing.
-fn ray(org: [f32; 3], dir: [f32; 3]) -> [u32; 10] {
+pub fn ray(org: [f32; 3], dir: [f32; 3]) -> [u32; 10] {
     let floats = [org[0], org[1], org[2], dir[0], dir[1], dir[2], f32::INFINITY].map(f32::to_bits);
     std::array::from_fn(|i| floats.get(i).copied().unwrap_or(NONE))
 }
