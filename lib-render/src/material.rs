@@ -4,12 +4,17 @@ use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row};
 
 use crate::bsdf::Bsdf;
+use crate::bsdf::diffuse::make_diffuse_bsdf;
+use crate::bsdf::gltf::GltfValues;
+use crate::bsdf::mix::make_mix_bsdf;
+use crate::bsdf::phong::make_phong_bsdf;
 use crate::core::color::{Color, black, color};
+use crate::core::microfacet::SMOOTH_ALPHA;
 use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
 use crate::geometry::SurfaceElement;
 use crate::light::area_pdf;
-use crate::schema::{Materials, Textures};
+use crate::schema::{Materials, SMOOTH_ALWAYS, SMOOTH_PER_HIT, Textures};
 use crate::texture::look_up;
 
 /// What leaves a point of an emitter in a direction, and how likely the samplers find both.
@@ -45,6 +50,9 @@ pub struct Material {
 }
 impl_staged!(Material { bsdf, emission, is_emissive, is_unlit, base, absorption });
 
+/// Tint of the layer, or Phong's reflectance.
+const SPECULAR_COLOR: [Col<Materials, F32>; 3] = [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B];
+
 /// A colour that stands in three columns.
 fn read_color(row: Row<Materials>, columns: [Col<Materials, F32>; 3]) -> Color {
     let [r, g, b] = columns.map(|c| row.get(c));
@@ -73,6 +81,56 @@ pub fn base_color(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> Color {
 pub fn emitted_radiance(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> Color {
     let factor = [Materials::EMISSION_R, Materials::EMISSION_G, Materials::EMISSION_B];
     textured(b, row, factor, (Materials::EMISSION_TEXTURED, Materials::EMISSION_TEXTURE), uv)
+}
+
+/// The parameters of glTF's model at these texture coordinates, with this base colour.
+pub fn gltf_values(b: &mut Block, row: Row<Materials>, base: Color, uv: [Vec2; 2]) -> GltfValues {
+    let get = |column| row.get(column);
+    let (roughness, metallic) = b.if_(
+        row.get(Materials::METALLIC_ROUGHNESS_TEXTURED),
+        |b| {
+            let texel = look_up(b, row.get(Materials::METALLIC_ROUGHNESS_TEXTURE), uv).color;
+            (get(Materials::ROUGHNESS) * texel.g, get(Materials::METALLIC) * texel.b)
+        },
+        |_| (get(Materials::ROUGHNESS), get(Materials::METALLIC)),
+    );
+    let specular = b.if_(
+        row.get(Materials::SPECULAR_TEXTURED),
+        |b| get(Materials::SPECULAR) * look_up(b, row.get(Materials::SPECULAR_TEXTURE), uv).alpha,
+        |_| get(Materials::SPECULAR),
+    );
+    let transmission = b.if_(
+        row.get(Materials::TRANSMISSION_TEXTURED),
+        |b| get(Materials::TRANSMISSION) * look_up(b, row.get(Materials::TRANSMISSION_TEXTURE), uv).color.r,
+        |_| get(Materials::TRANSMISSION),
+    );
+    let tint = (Materials::SPECULAR_COLOR_TEXTURED, Materials::SPECULAR_COLOR_TEXTURE);
+    let alpha = roughness * roughness;
+    let smooth = row.get(Materials::SMOOTH);
+    GltfValues {
+        has_diffuse: row.get(Materials::HAS_DIFFUSE),
+        has_specular: row.get(Materials::HAS_SPECULAR),
+        has_metal: row.get(Materials::HAS_METAL),
+        has_transmission: row.get(Materials::HAS_TRANSMISSION),
+        thin: row.get(Materials::THIN),
+        smooth: smooth.eq(SMOOTH_ALWAYS) | (smooth.eq(SMOOTH_PER_HIT) & alpha.lt(SMOOTH_ALPHA)),
+        base,
+        metallic,
+        alpha,
+        ior: get(Materials::IOR),
+        specular,
+        specular_color: textured(b, row, SPECULAR_COLOR, tint, uv),
+        transmission,
+    }
+}
+
+/// Phong's material, as the paper's shader builds it: diffuse and Phong lobe, mixed by the luminance of their colours.
+pub fn make_phong_material(row: Row<Materials>, surf: SurfaceElement, kd: Color) -> Bsdf {
+    let ks = read_color(row, SPECULAR_COLOR);
+    let (bright, dark) = (ks.luminance(), kd.luminance());
+    let k = bright.gt(0.0).select(bright / (bright + dark), 0.0.into());
+    let phong = make_phong_bsdf(surf, ks, row.get(Materials::PHONG_NS));
+    make_mix_bsdf(surf, make_diffuse_bsdf(surf, kd), phong, k)
 }
 
 /// Absorption coefficient behind the surface, 1/m.

@@ -124,7 +124,11 @@ fn exponentials() {
     check("exp near 0", &spread(5_000, -1.0, 1.0), exp, f64::exp, 0.91);
     check("exp, denormal", &spread(2_000, -103.0, -87.4), exp, f64::exp, 1.0);
     check("exp2", &spread(20_000, -126.0, 127.99), exp2, f64::exp2, 1.14);
+    let small = spread(10_000, 0.1, 1.0);
+    let near: Vec<f32> = small.iter().flat_map(|x| [1e-9, -1e-4, 0.03, -1.0, 1.1, -86.0].map(|k| x * k)).collect();
+    check("exp_m1", &near, exp_m1, f64::exp_m1, 3.0);
     let inf = f32::INFINITY;
+    assert_eq!(fold1(&[0.0, -104.0, inf, 1e-30], exp_m1), [0.0, -1.0, inf, 1e-30]);
     assert_eq!(fold1(&[0.0, -0.0, inf, -inf, 89.0, -104.0], exp), [1.0, 1.0, inf, 0.0, inf, 0.0]);
     assert_eq!(fold1(&[3.0, -126.0, -149.0, 128.0, -151.0], exp2), [8.0, f32::MIN_POSITIVE, 1e-45, inf, 0.0]);
     assert!(fold1(&[f32::NAN], exp)[0].is_nan() && fold1(&[f32::NAN], exp2)[0].is_nan());

@@ -100,3 +100,10 @@ impl Frame3 {
 pub fn shading_cos(surf: SurfaceElement, wi: Vec3) -> F32 {
     surf.local.normal.dot(wi).abs()
 }
+
+/// What f is multiplied with where it was found with a bent normal, whose cosine with wi is `bent_cos`: the renderer
+/// multiplies it with [`shading_cos`], here `cos`.
+pub fn bend_ratio(bent_cos: F32, cos: F32) -> F32 {
+    let ratio = cos.gt(0.0).select(bent_cos.abs() / cos, 0.0.into());
+    is_consistent().select(ratio, 1.0.into())
+}

@@ -2,11 +2,18 @@
 
 pub mod frame;
 pub mod diffuse;
+pub mod phong;
+pub mod mirror;
+pub mod dielectric;
+pub mod mix;
+pub mod rough;
+pub mod gltf;
+pub mod conductor;
 
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Bool, F32, Fun};
 
-use crate::core::color::Color;
+use crate::core::color::{Color, black};
 use crate::core::rng::Rng;
 use crate::core::vec::Vec3;
 
@@ -50,3 +57,38 @@ pub struct BsdfSample {
     pub radiance_scale: F32,
 }
 impl_staged!(BsdfSample { wi, weight, pdf_dir, is_specular, radiance_scale });
+
+impl BsdfSample {
+    /// A perfectly specular event.
+    pub fn specular(wi: Vec3, weight: Color) -> BsdfSample {
+        BsdfSample { wi, weight, pdf_dir: 1.0.into(), is_specular: true.into(), radiance_scale: 1.0.into() }
+    }
+
+    /// A direction with a density, and f times |cos| there.
+    pub fn scattered(wi: Vec3, f_cos: Color, pdf: F32) -> BsdfSample {
+        let weight = pdf.gt(0.0).select(f_cos / pdf, black());
+        BsdfSample { wi, weight, pdf_dir: pdf, is_specular: false.into(), radiance_scale: 1.0.into() }
+    }
+}
+
+impl Bsdf {
+    /// Perfectly specular scattering: there is nothing to evaluate.
+    pub fn specular(sample: SampleFn) -> Bsdf {
+        Bsdf {
+            eval: EvalFn::lam(|_, _| black()),
+            pdf: PdfFn::lam(|_, _| F32::from(0.0)),
+            sample,
+            is_specular: true.into(),
+        }
+    }
+
+    /// `then` where the condition holds, else `other`. The functions choose inside (Law 4).
+    pub fn choose(condition: Bool, then: Bsdf, other: Bsdf) -> Bsdf {
+        Bsdf {
+            eval: EvalFn::lam(|b, w| b.if_(condition, |b| then.eval.call(b, w), |b| other.eval.call(b, w))),
+            pdf: PdfFn::lam(|b, w| b.if_(condition, |b| then.pdf.call(b, w), |b| other.pdf.call(b, w))),
+            sample: SampleFn::lam(|b, w| b.if_(condition, |b| then.sample.call(b, w), |b| other.sample.call(b, w))),
+            is_specular: condition.select(then.is_specular, other.is_specular),
+        }
+    }
+}

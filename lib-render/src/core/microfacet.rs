@@ -22,16 +22,16 @@ pub fn ggx_d(h: Vec3, alpha: F32) -> F32 {
     h.z.gt(0.0).select(d, 0.0.into())
 }
 
-/// Smith's masking of one direction with this cosine; 0 below the surface.
+/// Smith's masking of one direction over its cosine: G1 = cos · this, and f is free of divisions by cosines. Below the
+/// surface masking is 0, which is the caller's to see.
 ///
-/// Source: glTF 2.0, appendix B.3.3: 2 c / (c + √(α² + (1 − α²) c²)).
-pub fn ggx_g1(cos: F32, alpha: F32) -> F32 {
+/// Source: glTF 2.0, appendix B.3.3: G1 = 2 c / (c + √(α² + (1 − α²) c²)).
+pub fn ggx_g1_over_cos(cos: F32, alpha: F32) -> F32 {
     let a2 = alpha * alpha;
-    let g = 2.0 * cos / (cos + (a2 + (1.0 - a2) * (cos * cos)).sqrt());
-    cos.gt(0.0).select(g, 0.0.into())
+    2.0 / (cos + (a2 + (1.0 - a2) * (cos * cos)).sqrt())
 }
 
-/// A normal that is visible from wo (z > 0), with density [`ggx_visible_pdf`].
+/// A normal that is visible from wo (z ≥ 0), with density G1(wo) (wo·h) D(h) / wo.z per steradian.
 ///
 /// Source: Dupuy & Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3: the mirror image of a
 /// stretched direction is uniform on a cap of the sphere.
@@ -43,11 +43,6 @@ pub fn ggx_sample_visible(u: Vec2, wo: Vec3, alpha: F32) -> Vec3 {
     let h = vec3(sin * cos_phi, sin * sin_phi, z) + i;
     // Stretched back; a normal that rounding put below the surface lies on the rim.
     vec3(h.x * alpha, h.y * alpha, h.z.max(0.0)).normalize()
-}
-
-/// Density of h under [`ggx_sample_visible`], per steradian of h: G1(wo) (wo·h) D(h) / wo.z.
-pub fn ggx_visible_pdf(wo: Vec3, h: Vec3, alpha: F32) -> F32 {
-    ggx_g1(wo.z, alpha) * wo.dot(h).max(0.0) * ggx_d(h, alpha) / wo.z
 }
 
 /// To the space where the distribution is that of a hemisphere.

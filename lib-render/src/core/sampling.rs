@@ -49,16 +49,13 @@ pub fn uniform_triangle(u: Vec2) -> Vec2 {
 
 /// A direction of the sphere, uniform: [`UNIFORM_SPHERE_PDF`].
 pub fn uniform_sphere(u: Vec2) -> Vec3 {
-    cone_direction(1.0 - 2.0 * u.x, u.y)
+    cone_rim(u.x * 2.0, u.y)
 }
 
 /// A direction within the cone 1 − cos ≤ `one_minus_cos`, uniform: [`uniform_cone_pdf`]. The complement of the cosine is
 /// asked for, since a narrow cone has none that can be told from 1 (N8).
 pub fn uniform_cone(u: Vec2, one_minus_cos: F32) -> Vec3 {
-    let h = u.x * one_minus_cos;
-    let (sin_phi, cos_phi) = sincos_turns(u.y);
-    let sin = (h * (2.0 - h)).max(0.0).sqrt();
-    vec3(sin * cos_phi, sin * sin_phi, 1.0 - h)
+    cone_rim(u.x * one_minus_cos, u.y)
 }
 
 /// Density of [`uniform_cone`] per steradian.
@@ -66,9 +63,9 @@ pub fn uniform_cone_pdf(one_minus_cos: F32) -> F32 {
     1.0 / (TAU * one_minus_cos)
 }
 
-/// The direction with this cosine to the axis, `turns` around it.
-fn cone_direction(cos: F32, turns: F32) -> Vec3 {
+/// The direction on the rim of the cone 1 − cos = `one_minus_cos`, `turns` around it.
+pub fn cone_rim(one_minus_cos: F32, turns: F32) -> Vec3 {
     let (sin_phi, cos_phi) = sincos_turns(turns);
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    vec3(sin * cos_phi, sin * sin_phi, cos)
+    let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
+    vec3(sin * cos_phi, sin * sin_phi, 1.0 - one_minus_cos)
 }

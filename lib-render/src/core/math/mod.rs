@@ -9,7 +9,7 @@ use jerboa_ir::lang::F32;
 mod exp;
 mod trig;
 
-pub use exp::{exp, exp2, log, log1p, log2, pow};
+pub use exp::{exp, exp_m1, exp2, log, log1p, log2, pow};
 pub use trig::{acos, asin, atan2, sincos, sincos_turns};
 
 /// The polynomial with these coefficients, highest power first.

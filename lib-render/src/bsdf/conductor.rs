@@ -1,0 +1,33 @@
+//! Rough or smooth metal: the metal lobe of [`gltf`](crate::bsdf::gltf) alone.
+//!
+//! - Parameters: reflectance `f0` at normal incidence per channel (Schlick, F90 = 1), GGX width `alpha`; below 1e-3 a mirror.
+//! - Frame, measure, sampling and what happens below the surface: as `gltf`.
+
+use jerboa_ir::lang::F32;
+
+use crate::bsdf::Bsdf;
+use crate::bsdf::gltf::{GltfValues, make_gltf_bsdf};
+use crate::core::color::{Color, black};
+use crate::core::microfacet::SMOOTH_ALPHA;
+use crate::geometry::SurfaceElement;
+
+/// A metal.
+pub fn make_ggx_bsdf(surf: SurfaceElement, f0: Color, alpha: F32) -> Bsdf {
+    let (no, zero) = (false.into(), F32::from(0.0));
+    let values = GltfValues {
+        has_diffuse: no,
+        has_specular: no,
+        has_metal: true.into(),
+        has_transmission: no,
+        thin: no,
+        smooth: alpha.lt(SMOOTH_ALPHA),
+        base: f0,
+        metallic: 1.0.into(),
+        alpha,
+        ior: zero,
+        specular: zero,
+        specular_color: black(),
+        transmission: zero,
+    };
+    make_gltf_bsdf(surf, values)
+}
