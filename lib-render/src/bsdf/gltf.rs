@@ -25,8 +25,8 @@ use crate::bsdf::diffuse::{diffuse_is_seen, diffuse_pdf, sample_diffuse};
 use crate::bsdf::frame::{Side, bend_ratio, reflect, shading_cos};
 use crate::bsdf::rough::{Facet, Rough};
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
-use crate::core::color::{Color, black, color};
-use crate::core::fresnel::{fresnel_dielectric, fresnel_normal, fresnel_schlick};
+use crate::core::color::{Color, black};
+use crate::core::fresnel::{fresnel_dielectric, fresnel_normal, fresnel_schlick, refracted_cos};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec3, vec2, vec3};
 use crate::geometry::SurfaceElement;
@@ -146,7 +146,8 @@ impl GltfValues {
             self.has_transmission,
             |_| {
                 let share = (1.0 - layer.max_channel()) * (1.0 - self.metal_share()) * self.transmission;
-                let refracted = self.base * share;
+                // A weak layer does not take all of what is totally reflected; the rest has nowhere to go.
+                let refracted = refracted_cos(cos, eta).gt(0.0).select(self.base * share, black());
                 (refracted, share_of(reflected.max_channel(), refracted.max_channel()))
             },
             |_| (black(), F32::from(1.0)),
@@ -263,8 +264,10 @@ impl View {
             facet & values.smooth,
             |b| self.sample_smooth(b, rng),
             |b| {
-                let wi = b.if_(facet, |b| self.sample_rough(b, rng), |_| sample_diffuse(rng, self.side));
-                self.scattered(b, wi)
+                let (wi, found) =
+                    b.if_(facet, |b| self.sample_rough(b, rng), |_| (sample_diffuse(rng, self.side), Bool::from(true)));
+                let sample = self.scattered(b, wi);
+                found.select(sample, BsdfSample::scattered(wi, black(), 0.0.into()))
             },
         )
     }
@@ -312,27 +315,29 @@ impl View {
         )
     }
 
-    /// A direction by way of a visible microfacet, world.
-    fn sample_rough(self, b: &mut Block, rng: Rng) -> Vec3 {
+    /// A direction by way of a visible microfacet, world. Is it on the side where the microfacet was to send it? Else the
+    /// sample failed: the density there is that of other microfacets.
+    fn sample_rough(self, b: &mut Block, rng: Rng) -> (Vec3, Bool) {
         let (rough, values) = (self.rough(), self.values);
         let (u, rng) = rng.next();
         let (v, rng) = rng.next();
         let (choice, _) = rng.next();
         let h = rough.sample_normal(vec2(u, v));
         let mirrored = rough.reflected(h);
-        let local = b.if_(
+        let (local, height) = b.if_(
             values.has_transmission,
             |b| {
                 let split = values.split(b, rough.wo.dot(h), self.eta);
                 let behind = |b: &mut Block| {
                     let through = vec3(mirrored.x, mirrored.y, -mirrored.z);
-                    b.if_(values.thin, |_| through, |_| rough.refracted(h, self.eta))
+                    let local = b.if_(values.thin, |_| through, |_| rough.refracted(h, self.eta));
+                    (local, -local.z)
                 };
-                b.if_(choice.ge(split.choice), behind, |_| mirrored)
+                b.if_(choice.ge(split.choice), behind, |_| (mirrored, mirrored.z))
             },
-            |_| mirrored,
+            |_| (mirrored, mirrored.z),
         );
-        rough.frame.to_world(local)
+        (rough.frame.to_world(local), height.gt(0.0))
     }
 }
 
@@ -342,5 +347,5 @@ fn passing(b: &mut Block, values: GltfValues, cos: F32, eta: F32) -> F32 {
 }
 
 fn nothing() -> Value {
-    Value { f: color(0.0, 0.0, 0.0), pdf: 0.0.into() }
+    Value { f: black(), pdf: 0.0.into() }
 }

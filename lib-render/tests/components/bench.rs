@@ -99,6 +99,12 @@ impl Bench {
         results
     }
 
+    /// As [`Bench::run`], all words floats.
+    pub fn run_floats(&mut self, entry: &str, args: &[f32]) -> Vec<f32> {
+        let args: Vec<u32> = args.iter().map(|x| x.to_bits()).collect();
+        self.run(entry, &args).into_iter().map(f32::from_bits).collect()
+    }
+
     /// As [`Bench::run`], by the interpreter, which must agree to the bit.
     pub fn run_both(&mut self, entry: &str, args: &[u32]) -> Vec<u32> {
         let compiled = self.run(entry, args);

@@ -2,7 +2,10 @@
 //! A few runs of each also go through the interpreter and must give the same bits.
 
 mod bench;
+mod bsdf;
 mod geometry;
 mod lights;
 mod spawn;
+mod probe;
+mod textures;
 mod traverse;

@@ -1,0 +1,216 @@
+//! A material on one surface, to be asked from outside: through the shader, with nothing known.
+
+use jerboa_ir::lang::{F32, Fun, Row, U32, entry};
+use jerboa_lib_render::bsdf::BsdfSample;
+use jerboa_lib_render::core::color::Color;
+use jerboa_lib_render::core::rng::Rng;
+use jerboa_lib_render::core::vec::{Vec2, Vec3};
+use jerboa_lib_render::geometry::{Frame3, SurfaceElement};
+use jerboa_lib_render::material::Material;
+use jerboa_lib_render::ray::{Hit, Ray};
+use jerboa_lib_render::schema::*;
+use jerboa_lib_render::shader::make_shader;
+
+use crate::bench::{Bench, Random};
+
+pub type V = [f32; 3];
+
+pub fn dot(a: V, b: V) -> f64 {
+    (0..3).map(|i| f64::from(a[i]) * f64::from(b[i])).sum()
+}
+
+pub fn normalize(a: [f64; 3]) -> V {
+    let l = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    a.map(|x| (x / l) as f32)
+}
+
+/// Direction with this cosine to z, φ = 0.7.
+pub fn at_cos(c: f64) -> V {
+    let s = (1.0 - c * c).sqrt();
+    [(s * 0.7f64.cos()) as f32, (s * 0.7f64.sin()) as f32, c as f32]
+}
+
+/// A direction of the whole sphere.
+pub fn random_direction(random: &mut Random) -> V {
+    let (z, phi) = (2.0 * random.uniform() - 1.0, std::f64::consts::TAU * random.uniform());
+    let s = (1.0 - z * z).sqrt();
+    [s * phi.cos(), s * phi.sin(), z].map(|x| x as f32)
+}
+
+/// What `sample` gave, and what `eval` and `pdf` say about its direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    pub wi: V,
+    pub weight: V,
+    pub pdf: f32,
+    pub is_specular: bool,
+    pub scale: f32,
+    pub f_there: V,
+    pub pdf_there: f32,
+}
+
+pub struct Probe {
+    bench: Bench,
+    /// Geometric normal.
+    pub face: V,
+    /// Shading normal.
+    pub normal: V,
+}
+
+fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3) -> Material {
+    let zero = || F32::from(0.0);
+    let nowhere = Vec3 { x: zero(), y: zero(), z: zero() };
+    let surf = SurfaceElement {
+        point: nowhere,
+        error: nowhere,
+        face_normal,
+        local: Frame3::around(normal),
+        uv: [Vec2 { x: zero(), y: zero() }; 2],
+        primitive: 0.into(),
+        light: NONE.into(),
+    };
+    let ray = Ray { org: nowhere, dir: nowhere, tmax: zero(), skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() };
+    make_shader(Row::<Materials>::at(0u32)).call(b, (ray, Hit::miss(zero()), surf))
+}
+
+impl Probe {
+    /// A surface in the plane z = 0, material 0 with these numbers; no lobe is on.
+    pub fn new() -> Probe {
+        let mut bench = Bench::new(|| {
+            entry("eval", Fun::lam(|b, (g, n, wi, wo): (Vec3, Vec3, Vec3, Vec3)| {
+                let bsdf = material(b, g, n).bsdf;
+                let f: Color = bsdf.eval.call(b, (wi, wo));
+                (f, bsdf.pdf.call(b, (wi, wo)), bsdf.is_specular.select(F32::from(1.0), 0.0.into()))
+            }));
+            entry("sample", Fun::lam(|b, (g, n, wo, key): (Vec3, Vec3, Vec3, U32)| {
+                let bsdf = material(b, g, n).bsdf;
+                let s: BsdfSample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
+                let f: Color = bsdf.eval.call(b, (s.wi, wo));
+                (s, f, bsdf.pdf.call(b, (s.wi, wo)))
+            }));
+        });
+        for column in [Materials::BASE_R, Materials::BASE_G, Materials::BASE_B] {
+            bench.set(column, 0, 1.0);
+        }
+        for column in [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B] {
+            bench.set(column, 0, 1.0);
+        }
+        bench.set(Materials::IOR, 0, 1.5);
+        Probe { bench, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
+    }
+
+    /// Does the geometric normal tell the sides apart?
+    pub fn consistent(&mut self, yes: bool) -> &mut Probe {
+        self.bench.set(Settings::CONSISTENT_NORMALS, 0, yes);
+        self
+    }
+
+    /// The number in a column of the material.
+    pub fn number(&mut self, column: jerboa_ir::lang::Col<Materials, F32>, x: f32) -> &mut Probe {
+        self.bench.set(column, 0, x);
+        self
+    }
+
+    /// The flag in a column of the material.
+    pub fn flag(&mut self, column: jerboa_ir::lang::Col<Materials, jerboa_ir::lang::Bool>, x: bool) -> &mut Probe {
+        self.bench.set(column, 0, x);
+        self
+    }
+
+    /// Albedo 0.8, 0.5, 0.2.
+    pub fn coloured(&mut self) -> &mut Probe {
+        self.number(Materials::BASE_R, 0.8).number(Materials::BASE_G, 0.5).number(Materials::BASE_B, 0.2)
+    }
+
+    /// Roughness, and whether its square counts as smooth.
+    pub fn roughness(&mut self, roughness: f32) -> &mut Probe {
+        let smooth = if roughness * roughness < 1e-3 { SMOOTH_ALWAYS } else { SMOOTH_NEVER };
+        self.bench.set(Materials::SMOOTH, 0, smooth);
+        self.number(Materials::ROUGHNESS, roughness)
+    }
+
+    /// White metal.
+    pub fn metal(roughness: f32) -> Probe {
+        let mut probe = Probe::new();
+        probe.flag(Materials::HAS_METAL, true).number(Materials::METALLIC, 1.0).roughness(roughness);
+        probe
+    }
+
+    /// White diffuse under a layer.
+    pub fn plastic(roughness: f32) -> Probe {
+        let mut probe = Probe::new();
+        probe.flag(Materials::HAS_DIFFUSE, true).flag(Materials::HAS_SPECULAR, true);
+        probe.number(Materials::SPECULAR, 1.0).roughness(roughness);
+        probe
+    }
+
+    /// White glass of a solid, or of a thin wall.
+    pub fn glass(roughness: f32, thin: bool) -> Probe {
+        let mut probe = Probe::new();
+        probe.flag(Materials::HAS_SPECULAR, true).flag(Materials::HAS_TRANSMISSION, true).flag(Materials::THIN, thin);
+        probe.number(Materials::SPECULAR, 1.0).number(Materials::TRANSMISSION, 1.0).roughness(roughness);
+        probe
+    }
+
+    /// Everything at once.
+    pub fn medley(roughness: f32) -> Probe {
+        let mut probe = Probe::glass(roughness, false);
+        probe.flag(Materials::HAS_DIFFUSE, true).flag(Materials::HAS_METAL, true).coloured();
+        probe.number(Materials::METALLIC, 0.3).number(Materials::TRANSMISSION, 0.6).number(Materials::SPECULAR, 0.7);
+        probe.number(Materials::SPECULAR_R, 0.0).number(Materials::SPECULAR_G, 2.0);
+        probe
+    }
+
+    /// Diffuse and Phong.
+    pub fn phong(ns: f32) -> Probe {
+        let mut probe = Probe::new();
+        probe.flag(Materials::PHONG, true).number(Materials::PHONG_NS, ns).coloured();
+        probe
+    }
+
+    /// f, pdf, is the whole specular?
+    pub fn eval(&mut self, wi: V, wo: V) -> (V, f32, bool) {
+        let args = [self.face, self.normal, wi, wo].concat();
+        let out = self.bench.run_floats("eval", &args);
+        ([out[0], out[1], out[2]], out[3], out[4] == 1.0)
+    }
+
+    pub fn sample(&mut self, wo: V, key: u32) -> Sampled {
+        let mut args: Vec<u32> = [self.face, self.normal, wo].concat().iter().map(|x| x.to_bits()).collect();
+        args.push(key);
+        let words = self.bench.run("sample", &args);
+        let x: Vec<f32> = words.iter().map(|w| f32::from_bits(*w)).collect();
+        Sampled {
+            wi: [x[0], x[1], x[2]],
+            weight: [x[3], x[4], x[5]],
+            pdf: x[6],
+            is_specular: words[7] != 0,
+            scale: x[8],
+            f_there: [x[9], x[10], x[11]],
+            pdf_there: x[12],
+        }
+    }
+
+    /// Machine code and interpreter agree on some calls.
+    pub fn check_engines(&mut self, wo: V) {
+        for key in 0..5 {
+            let mut args: Vec<u32> = [self.face, self.normal, wo].concat().iter().map(|x| x.to_bits()).collect();
+            args.push(key);
+            self.bench.run_both("sample", &args);
+        }
+    }
+
+    /// Mean weight of n samples (green), without the scale of radiance, and its standard error.
+    pub fn albedo(&mut self, wo: V, n: u32) -> (f64, f64) {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for key in 0..n {
+            let s = self.sample(wo, key);
+            let w = f64::from(s.weight[1] / s.scale);
+            sum += w;
+            squares += w * w;
+        }
+        let n = f64::from(n);
+        let mean = sum / n;
+        (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
+    }
+}
