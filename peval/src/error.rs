@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use jerboa_ir::Loc;
+use jerboa_ir::{Fault, Loc};
 
 /// A continuation as an error names it.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -64,6 +64,13 @@ pub enum Error {
         /// How many copies there are.
         copies: u32,
     },
+    /// The residual is not first-order (Law 4): a mistake of the evaluator, or of a program that the verifier refuses.
+    NotFirstOrder {
+        /// The entry.
+        entry: String,
+        /// What is wrong, each with its node and line.
+        faults: Vec<Fault>,
+    },
     /// The residual grew beyond all bounds although every call stays.
     TooLarge {
         /// Nodes and continuations made.
@@ -97,6 +104,10 @@ impl fmt::Display for Error {
                  a scalar, or give the function a filter that ends",
                 chain(calls)
             ),
+            Error::NotFirstOrder { entry, faults } => {
+                write!(f, "the residual of `{entry}` is not first-order; is the program verified?")?;
+                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+            }
             Error::TooLarge { nodes, chain: calls } => {
                 write!(f, "the residual has {nodes} nodes and still grows; calls: {}", chain(calls))
             }

@@ -15,7 +15,7 @@ mod value;
 
 use std::time::Instant;
 
-use jerboa_ir::{ContId, Lit, Param, Program, Role, Scope, Ty, TyKind};
+use jerboa_ir::{ContId, Lit, Param, Program, Role, Scope, Ty, TyKind, verify_residual};
 
 pub use budget::{Budget, Event};
 pub use error::{Error, Place};
@@ -65,13 +65,15 @@ pub struct Options {
     pub log: bool,
     /// Tidy the residual.
     pub tidy: bool,
+    /// Check that the residual is first-order (Law 4). On in debug builds.
+    pub check: bool,
     /// Flip decisions that must not change any result, by this seed (tests set it from `JERBOA_CHAOS`).
     pub chaos: Option<u64>,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { budget: Budget::default(), log: false, tidy: true, chaos: None }
+        Options { budget: Budget::default(), log: false, tidy: true, check: cfg!(debug_assertions), chaos: None }
     }
 }
 
@@ -107,6 +109,12 @@ pub fn specialize(
     // The entry is the first continuation that is made.
     let (program, tidied) = tidy::tidy(world, ContId(0), options.tidy);
     passes.extend(tidied);
+    if options.check {
+        let faults = verify_residual(&program);
+        if !faults.is_empty() {
+            return Err(Error::NotFirstOrder { entry: entry.into(), faults });
+        }
+    }
     report.passes = passes;
     report.nodes_after = program.nodes.len();
     report.blocks = program.conts.len();

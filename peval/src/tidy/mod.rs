@@ -7,6 +7,7 @@ mod forward;
 mod merge;
 mod params;
 mod select;
+mod tail;
 
 use std::time::Instant;
 
@@ -19,7 +20,8 @@ use draft::Draft;
 type Tidy = fn(&mut Draft) -> u64;
 
 /// Passes that look at one place at a time.
-const LOCAL: [(&str, Tidy); 5] = [
+const LOCAL: [(&str, Tidy); 6] = [
+    ("tail", tail::run),
     ("merge", merge::run),
     ("forward", forward::run),
     ("params", params::run),
