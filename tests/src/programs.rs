@@ -50,6 +50,8 @@ struct Gen<'c> {
     budget: u32,
     /// Nesting of statements.
     depth: u32,
+    /// Continuations whose first parameter is a function, and the one function that everybody passes to it (Law 4).
+    pinned: Vec<(NodeId, NodeId)>,
     /// Statements made: the line of the pretended source.
     line: u32,
 }
@@ -60,20 +62,20 @@ const PLAIN: BufId = BufId(1);
 const STREAMS: [BufId; 2] = [BufId(2), BufId(3)];
 
 /// Statements of a program at most.
-const STATEMENTS: u32 = 80;
+const STATEMENTS: u32 = 150;
 
 /// A random program.
 pub fn case(c: &mut Choices) -> Case {
     let mut w = World::new();
     declare(&mut w);
     let memory = w.program().buffers.iter().map(|b| content(b, c)).collect();
-    let mut g = Gen { w, c, at: ContId(0), env: vec![], exits: vec![], budget: 0, depth: 0, line: 1 };
+    let mut g = Gen { w, c, at: ContId(0), env: vec![], exits: vec![], budget: 0, depth: 0, pinned: vec![], line: 1 };
     g.budget = g.c.below(STATEMENTS);
     let mut params: Vec<Ty> = (0..1 + g.c.below(4)).map(|_| g.scalar_ty()).collect();
     if g.c.one_in(4) {
         params.push(g.vector_ty());
     }
-    let results: Vec<Ty> = (0..1 + g.c.below(3)).map(|_| g.scalar_ty()).collect();
+    let results: Vec<Ty> = (0..1 + g.c.below(5)).map(|_| g.scalar_ty()).collect();
     let (main, _) = g.function("main", &params, &results);
     g.write(main, true, |g| {
         g.block();

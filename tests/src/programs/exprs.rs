@@ -50,13 +50,22 @@ impl Gen<'_> {
         Ty::func(&params)
     }
 
+    /// A record of a function and data.
+    pub fn record_ty(&mut self) -> Ty {
+        let elems = [self.code_ty(), self.data_ty()];
+        Ty::tuple(&elems)
+    }
+
     /// Add to what is in scope.
     pub fn show(&mut self, node: NodeId, tied: bool) {
         self.env.push(Value { node, tied });
     }
 
     pub fn show_all(&mut self, nodes: &[NodeId]) {
-        nodes.iter().for_each(|n| self.show(*n, false));
+        for n in nodes {
+            let tied = has_code(self.w.program().ty(*n));
+            self.show(*n, tied);
+        }
     }
 
     fn visible(&mut self, ty: Ty) -> Option<NodeId> {
@@ -191,18 +200,16 @@ impl Gen<'_> {
         self.apply(form, 1)
     }
 
-    /// Some other value: a component of a tuple, a lane, a value of a random type.
-    pub fn some_value(&mut self) -> NodeId {
-        let ty = self.data_ty();
-        let value = self.value(ty);
+    /// Show some other value: one of a random type, or a component of a tuple or record.
+    pub fn some_value(&mut self) {
+        let ty = if self.c.one_in(6) { self.record_ty() } else { self.data_ty() };
+        let mut value = self.value(ty);
         let loc = self.loc();
-        match ty.kind() {
-            TyKind::Tuple(elems) => {
-                let index = self.c.below(elems.len() as u32) as usize;
-                self.w.extract(value, index, loc)
-            }
-            _ => value,
+        if let TyKind::Tuple(elems) = ty.kind() {
+            let index = self.c.below(elems.len() as u32) as usize;
+            value = self.w.extract(value, index, loc);
         }
+        self.show_all(&[value]);
     }
 
     /// A filter over what is in scope at the start of a function, `always` or not.
@@ -230,5 +237,14 @@ impl Gen<'_> {
                 self.w.prim(Op::And, &[a, b], loc)
             }
         }
+    }
+}
+
+/// Is it a function, or a record with one?
+pub fn has_code(ty: Ty) -> bool {
+    match ty.kind() {
+        TyKind::Fn(_) => true,
+        TyKind::Tuple(elems) => elems.iter().any(|t| has_code(*t)),
+        _ => false,
     }
 }

@@ -1,5 +1,6 @@
 //! Statements of random programs: everything that has a place.
 
+use super::exprs::has_code;
 use super::*;
 
 /// Deepest nesting of statements.
@@ -12,16 +13,13 @@ impl Gen<'_> {
             self.budget -= 1;
             self.line += 1;
             let flat = self.depth >= DEEP;
-            match self.c.below(24) {
-                0 => return,
+            match self.c.below(26) {
+                0 if self.c.one_in(2) => return,
                 1..=5 => {
                     let x = self.some_operation();
                     self.show(x, false);
                 }
-                6 | 7 => {
-                    let x = self.some_value();
-                    self.show(x, false);
-                }
+                6 | 7 => self.some_value(),
                 8 => self.load(),
                 9 => self.store(),
                 10 if !flat => self.array(),
@@ -97,10 +95,7 @@ impl Gen<'_> {
         let before = self.budget;
         self.budget = before / 2;
         self.aside(cont, |g| {
-            for p in params {
-                let code = g.w.program().ty(*p).params().is_some();
-                g.show(*p, code);
-            }
+            g.show_all(params);
             body(g);
         });
         self.budget += before - before / 2;
@@ -130,7 +125,12 @@ impl Gen<'_> {
         let ty = self.w.program().ty(callee);
         let params = ty.params().expect("a callee is code");
         let params = &params[..params.len() - usize::from(ty.is_function())];
-        params.iter().map(|t| self.value(*t)).collect()
+        let pinned = self.pinned.iter().find(|(to, _)| *to == callee).map(|(_, value)| *value);
+        let mut args = Vec::from_iter(pinned);
+        for ty in &params[args.len()..] {
+            args.push(self.value(*ty));
+        }
+        args
     }
 
     // ---- branches
@@ -147,8 +147,7 @@ impl Gen<'_> {
 
     /// Where branches meet, which mostly unfolds where the branch is decided.
     fn join(&mut self, decided_by: NodeId) -> (ContId, Vec<NodeId>, NodeId) {
-        let types = self.data_tys(2);
-        let (join, params) = self.cont("join", Role::Join, &types);
+        let (join, params) = self.meeting("join", Role::Join);
         let loc = self.loc();
         let filter = match self.c.below(10) {
             8 => self.w.lit(Lit::Bool(true)),
@@ -157,6 +156,27 @@ impl Gen<'_> {
         };
         self.w.cont_mut(join).filter = filter;
         (join, params, self.w.cont_value(join))
+    }
+
+    /// A continuation where paths meet: with data that differ, and now and then a function that does not.
+    fn meeting(&mut self, name: &str, role: Role) -> (ContId, Vec<NodeId>) {
+        let shared = self.shared();
+        let mut types = Vec::from_iter(shared.map(|f| self.w.program().ty(f)));
+        // Data last: a continuation that takes a function last would look like a function itself.
+        types.extend(shared.map(|_| self.scalar_ty()));
+        types.extend(self.data_tys(2));
+        let (cont, params) = self.cont(name, role, &types);
+        if let Some(shared) = shared {
+            let to = self.w.cont_value(cont);
+            self.pinned.push((to, shared));
+        }
+        (cont, params)
+    }
+
+    /// Now and then a function that is passed along.
+    fn shared(&mut self) -> Option<NodeId> {
+        let functions = self.functions();
+        (!functions.is_empty() && self.c.one_in(4)).then(|| self.c.pick(&functions))
     }
 
     fn branch(&mut self) {
@@ -201,8 +221,7 @@ impl Gen<'_> {
 
     /// A block that may be left by an exit of its own.
     fn label(&mut self) {
-        let types = self.data_tys(2);
-        let (after, params) = self.cont("label", Role::Label, &types);
+        let (after, params) = self.meeting("label", Role::Label);
         let never = self.w.lit(Lit::Bool(false));
         self.w.cont_mut(after).filter = never;
         let to = self.w.cont_value(after);
@@ -225,32 +244,42 @@ impl Gen<'_> {
         let loc = self.loc();
         let n = self.small();
         let state = self.data_tys(2);
-        let (head, s) = self.cont("loop", Role::Loop, &[&[Ty::u32()], &state[..]].concat());
+        // A function may go round with the state, but it stays the same.
+        let shared = self.shared();
+        let with_shared = |g: &Self, first: Ty| {
+            let shared = shared.map(|f| g.w.program().ty(f));
+            [Vec::from_iter(shared), vec![first], state.clone()].concat()
+        };
+        let (head, s) = self.cont("loop", Role::Loop, &with_shared(self, Ty::u32()));
         // As the embedded language has it: the exit is told which condition ended the loop.
-        let (done, d) = self.cont("done", Role::Label, &[&[Ty::bool()], &state[..]].concat());
-        let (known_i, known_n, known_why) = (self.w.known(s[0], loc), self.w.known(n, loc), self.w.known(d[0], loc));
+        let (done, d) = self.cont("done", Role::Label, &with_shared(self, Ty::bool()));
+        let at = usize::from(shared.is_some());
+        let (i, why) = (s[at], d[at]);
+        let (known_i, known_n, known_why) = (self.w.known(i, loc), self.w.known(n, loc), self.w.known(why, loc));
         let never = self.w.lit(Lit::Bool(false));
         let unroll = self.w.prim(Op::And, &[known_i, known_n], loc);
         self.w.cont_mut(head).filter = self.c.pick(&[never, unroll]);
         self.w.cont_mut(done).filter = self.c.pick(&[known_why, never]);
         let (again, to_done) = (self.w.cont_value(head), self.w.cont_value(done));
+        self.pinned.extend(shared.map(|f| (to_done, f)));
         let zero = self.u32(0);
-        let mut first = vec![zero];
+        let mut first = [Vec::from_iter(shared), vec![zero]].concat();
         first.extend(state.iter().map(|t| self.value(*t)));
         self.jump(again, first);
         self.aside(head, |g| {
             g.show_all(&s);
-            let more = g.w.prim(Op::Lt, &[s[0], n], loc);
+            let more = g.w.prim(Op::Lt, &[i, n], loc);
             let (body, _) = g.cont("body", Role::Arm, &[]);
             let (exit, _) = g.cont("exit", Role::Arm, &[]);
             let (then, other) = (g.w.cont_value(body), g.w.cont_value(exit));
             g.leave(Body::Branch { cond: more, then, other });
-            g.aside(exit, |g| g.jump(to_done, [&[more], &s[1..]].concat()));
+            g.aside(exit, |g| g.jump(to_done, [&s[..at], &[more], &s[at + 1..]].concat()));
             g.aside(body, |g| {
                 g.exits.push(to_done);
                 g.block();
                 let one = g.u32(1);
-                let mut next = vec![g.w.prim(Op::Add, &[s[0], one], loc)];
+                let mut next = s[..at].to_vec();
+                next.push(g.w.prim(Op::Add, &[i, one], loc));
                 next.extend(state.iter().map(|t| g.value(*t)));
                 g.jump(again, next);
             });
@@ -334,14 +363,19 @@ impl Gen<'_> {
     fn define(&mut self) {
         let open = self.c.one_in(3);
         let mut params = self.data_tys(3);
-        if self.c.one_in(3) {
-            params.push(self.code_ty());
+        match self.c.below(6) {
+            4 => params.push(self.code_ty()),
+            5 => params.push(self.record_ty()),
+            _ => {}
         }
         let results = self.data_tys(2);
         let (cont, value) = self.function("fun", &params, &results);
+        for i in 0..params.len() {
+            self.w.cont_mut(cont).params[i].keep = self.c.one_in(8);
+        }
         if !open {
             let own = self.w.params(cont);
-            let data: Vec<NodeId> = own.into_iter().filter(|p| self.w.program().ty(*p).params().is_none()).collect();
+            let data: Vec<NodeId> = own.into_iter().filter(|p| !has_code(self.w.program().ty(*p))).collect();
             let filter = self.filter(&data);
             self.w.cont_mut(cont).filter = filter;
         }
@@ -352,10 +386,14 @@ impl Gen<'_> {
         self.show(value, open);
     }
 
+    /// The functions in scope.
+    fn functions(&self) -> Vec<NodeId> {
+        self.env.iter().map(|v| v.node).filter(|n| self.w.program().ty(*n).is_function()).collect()
+    }
+
     /// Call some function in scope.
     fn call(&mut self) {
-        let functions: Vec<NodeId> =
-            self.env.iter().map(|v| v.node).filter(|n| self.w.program().ty(*n).is_function()).collect();
+        let functions = self.functions();
         if functions.is_empty() {
             return;
         }
