@@ -43,6 +43,11 @@ impl Random {
     }
 }
 
+/// How much to test: the variable of this name, or the size that is quick.
+pub fn number(name: &str, quick: usize) -> usize {
+    std::env::var(name).map_or(quick, |v| v.parse().unwrap_or_else(|_| panic!("{name} is a number, not `{v}`")))
+}
+
 /// A program, its kernels, and the memory they run on.
 pub struct Bench {
     generic: Generic,

@@ -1,4 +1,5 @@
 //! What a ray hits: watertight, the same for every tree, and as [`accept`](jerboa_lib_render::traverse::AcceptFn) says.
+//! `JERBOA_RAYS=N` sends N rays to the sphere at each place instead of 3,000, and as many more to the random trees.
 
 use jerboa_ir::lang::{Bool, Keep, entry, Fun};
 use jerboa_lib_render::host::bvh::{Bounds, Bvh, BvhNode, ChildRef, Triangle};
@@ -6,7 +7,7 @@ use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{NONE, Nodes, Settings, Triangles};
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 
-use crate::bench::{Bench, Random};
+use crate::bench::{Bench, Random, number};
 
 /// Kernels `nearest` and `any`; where the scene has cut-outs, only odd primitives count.
 fn bench() -> Bench {
@@ -88,7 +89,7 @@ fn a_closed_sphere_has_no_holes() {
         let triangles: Vec<Triangle> = sphere(24).into_iter().map(|t| t.map(place)).collect();
         let bvh = Bvh::build(&triangles);
         load(&mut bench, &bvh, &triangles);
-        for i in 0..3000 {
+        for i in 0..number("JERBOA_RAYS", 3000) {
             let t = triangles[bvh.order[random.below(bvh.order.len())] as usize];
             let weight = random.uniform() as f32;
             let aim = match i % 3 {
@@ -112,7 +113,7 @@ fn a_closed_sphere_has_no_holes() {
 fn every_tree_gives_the_same_hit() {
     let mut random = Random::new(0x5eed_0002);
     let mut bench = bench();
-    for round in 0..40 {
+    for round in 0..number("JERBOA_RAYS", 3000) / 75 {
         // Big and small, some of them flat in an axis, some on one slanted plane, some twice, so that there are (near) ties.
         let mut triangles: Vec<Triangle> = (0..24)
             .map(|_| {
@@ -127,7 +128,7 @@ fn every_tree_gives_the_same_hit() {
             })
             .collect();
         triangles.extend_from_within(..8);
-        let scale = 2.0_f32.powi(10 * (round % 5) - 20);
+        let scale = 2.0_f32.powi(10 * (round % 5) as i32 - 20);
         let triangles: Vec<Triangle> = triangles.iter().map(|t| t.map(|p| p.map(|x| x * scale))).collect();
         let built = Bvh::build(&triangles);
         let chain = chain(&triangles);
@@ -200,4 +201,23 @@ fn unusable_rays_and_empty_scenes_miss() {
     assert_eq!(bench.run_both("nearest", &ray([0.0; 3], [0.0; 3]))[0], NONE, "no direction");
     load(&mut bench, &Bvh::build(&[]), &[]);
     assert_eq!(bench.run_both("nearest", &ray([0.0; 3], [0.0, 0.0, 1.0]))[0], NONE, "no triangles");
+}
+
+#[test]
+fn hits_scale_with_the_scene_to_the_bit() {
+    let mut random = Random::new(0x5eed_000d);
+    let mut bench = bench();
+    let unit: Vec<Triangle> = sphere(12);
+    let rays: Vec<_> = (0..300).map(|_| (random.point(), random.point())).collect();
+    let mut hits = |scale: f32| -> Vec<_> {
+        let triangles: Vec<Triangle> = unit.iter().map(|t| t.map(|p| p.map(|x| x * scale))).collect();
+        load(&mut bench, &Bvh::build(&triangles), &triangles);
+        let hit = |(org, dir): &([f32; 3], [f32; 3])| bench.run("nearest", &ray(org.map(|x| x * scale), *dir));
+        let unscale = |hit: Vec<u32>| (hit[0], f32::from_bits(hit[1]) / scale, hit[2], hit[3]);
+        rays.iter().map(hit).map(unscale).collect()
+    };
+    let expected = hits(1.0);
+    for k in [-40, -13, 20, 40] {
+        assert_eq!(hits(2.0_f32.powi(k)), expected, "scaled by 2^{k}");
+    }
 }
