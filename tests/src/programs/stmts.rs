@@ -180,7 +180,12 @@ impl Gen<'_> {
     }
 
     fn branch(&mut self) {
-        let cond = self.value(Ty::bool());
+        let mut cond = self.value(Ty::bool());
+        // The contrary is rare among values, and passes over branches look for it.
+        if self.c.one_in(4) {
+            let loc = self.loc();
+            cond = self.w.prim(Op::Not, &[cond], loc);
+        }
         let (join, params, to) = self.join(cond);
         let (then, other) = (self.arm(to), self.arm(to));
         self.leave(Body::Branch { cond, then, other });
