@@ -1,4 +1,67 @@
 //! Specialisation: runs everything in a program that the known data decide, and leaves the rest.
+//!
+//! ```
+//! use jerboa_ir::{Lit, lang::*, print};
+//! use jerboa_peval::*;
+//!
+//! let program = jerboa_ir::lang::build(|| {
+//!     let pow = Fun::<(I32, I32), I32>::rec("pow", |(_, n)| known(n), |b, pow, (x, n)| {
+//!         b.if_(n.eq(0), |_| I32::from(1), |b| x * pow.call(b, (x, n - 1)))
+//!     });
+//!     entry("main", Fun::<(I32, I32), I32>::lam(|b, (x, n)| pow.call(b, (x, n))));
+//! });
+//! let known = [Arg::Unknown, Arg::Known(Lit::I32(3))];
+//! let residual = specialize(&Generic::new(program), "main", &known, &Facts::none(), &Options::default())?;
+//! assert!(print(&residual.program).ends_with("\
+//! fun lam(y1: i32, return: fn(i32))
+//!   y2 = mul y1 y1
+//!   y3 = mul y1 y2
+//!   jump return(y3)
+//! "));
+//! # Ok::<(), Error>(())
+//! ```
+//!
+//! # Online partial evaluation
+//! A program's data are known early or late. Partial evaluation is running a program on the early data; what is left, the
+//! *residual*, takes the late ones, and means the same (Law 3). *Online* says that what is known is decided while
+//! running, value by value, not by an analysis before; so a value is
+//!
+//! ```text
+//! value = literal | tuple | closure (continuation, environment) | row (class, index) | unknown: a node of the residual
+//! ```
+//!
+//! An environment machine evaluates the generic program over such values. ρ, the environment, is a chain of frames along
+//! the nesting tree ([`jerboa_ir::Scope`]); B is the residual block that is being written. The judgement ρ ⊢ body ⇓ B:
+//!
+//! ```text
+//! pure node          evaluated when a jump asks, once per frame; over literals it folds, else it is a node of the residual
+//! branch, known      go on in the side that is taken; the other is never looked at
+//! branch, unknown    B ends in a branch; each side is a new block
+//! dispatch, unknown  B ends in a switch on the class; each class is a new block, in which the row's class is known
+//! call k(v…)         k = (continuation c, ρ'). In ρ' extended by v…, evaluate the filter of c:
+//!   true             unfold: go on in the body of c
+//!   false            stay: B ends in a jump to a residual block or function for (c, ρ', what is kept of v…), which is
+//!                    looked up, or made once. Closures are kept, scalars become parameters
+//! load, store        B ends in it and goes on in a new block
+//! return             an opaque exit: B ends in a jump to the residual function's return
+//! ```
+//!
+//! What stays is a *function* if its only way out is its return: then its environment is abstracted over its unknowns,
+//! and calls that differ in unknowns only share it. Else it is a *block* of the current function, shared by frame.
+//! A loop closes because its header calls itself in the frame it was made in. The join of an unknown branch stays, so what
+//! follows exists once; two different closures must not meet there ([`Error::ClosuresMeet`]). When all paths have ended,
+//! nothing higher-order is left (Law 4), and small passes tidy up: each module of `tidy` states its law.
+//!
+//! # Why it ends
+//! A run is infinite only if it unfolds for ever or makes blocks for ever. Unfoldings of a continuation are counted; at
+//! [`Budget::unfoldings`] its calls stay, and so do all when the residual is large. A call that stays makes a block only
+//! for a new key. Scalars are not in the key (kept ones leave it when there are many copies), so only closures can
+//! make new keys for ever, and those are counted too: [`Budget::copies`] of one continuation in one environment end in
+//! [`Error::Budget`], which names the function, the argument that grows and the chain of calls.
+//!
+//! # What is where
+//! `value`, `frame`: values and environments · `eval`: pure nodes · `machine`: bodies · `call`: decisions and blocks ·
+//! `lift`: functions · `facts`: what is known of tables · `budget`, `error`, `log`, `report` · `tidy`: the passes.
 
 mod budget;
 mod call;
@@ -22,6 +85,7 @@ pub use error::{Error, Place};
 pub use facts::{ColumnFacts, Facts, Fold, TableFacts, Target};
 pub use log::{Call, Decision, Log, Origin, Reason};
 pub use report::{Pass, Report};
+pub use tidy::tidy_with;
 
 use machine::{Machine, Step};
 use value::Value;

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use jerboa_ir::interp::{self, Limits, Memory};
 use jerboa_ir::{BufKind, Lit, Program, parse, print, verify, verify_residual};
-use jerboa_peval::{Arg, Facts, Generic, Options, specialize};
+use jerboa_peval::{Arg, Facts, Generic, Options, specialize, tidy_with};
 
 /// What a command works on.
 pub struct Input<'a> {
@@ -45,6 +45,8 @@ pub const COMMANDS: &[Command] = &[
     ("interp", run),
     // ENTRY ARG…, an argument being a literal or `?`: the residual.
     ("specialize", residual),
+    // PASS: a residual after that one pass.
+    ("tidy", tidy),
 ];
 
 /// Run every `.ir` file below a folder, in the order of names. Returns the number of files, or all differences.
@@ -186,6 +188,14 @@ fn residual(input: Input) -> Result<String, String> {
     let faults = verify_residual(&residual.program);
     sound(faults).map_err(|faults| format!("{faults}{text}"))?;
     Ok(text)
+}
+
+fn tidy(input: Input) -> Result<String, String> {
+    sound(verify_residual(&input.program))?;
+    let [pass] = input.args[..] else { return Err("tidy PASS".into()) };
+    let tidied = tidy_with(&input.program, pass).ok_or_else(|| format!("no pass `{pass}`"))?;
+    sound(verify_residual(&tidied)).map_err(|faults| format!("{faults}{}", print(&tidied)))?;
+    Ok(print(&tidied))
 }
 
 fn sound(found: Vec<jerboa_ir::Fault>) -> Result<(), String> {

@@ -24,20 +24,25 @@ impl Classic {
     fn check(self, inputs: &[Vec<Lit>]) -> Program {
         self.check_file();
         let args: Vec<Arg> = self.known.iter().map(|k| k.map_or(Arg::Unknown, Arg::Known)).collect();
-        let residual = self.specialize(&self.program, &args);
+        let residual = self.specialize(&self.program, &args, None);
+        // Decisions that must not matter, flipped by eight seeds.
+        let flipped: Vec<Program> = (0..8).map(|seed| self.specialize(&self.program, &args, Some(seed))).collect();
         for input in inputs {
             let mut unknown = input.iter();
             let all: Vec<Lit> = self.known.iter().map(|k| k.unwrap_or_else(|| *unknown.next().unwrap())).collect();
-            let (expected, actual) = (run(&self.program, &all), run(&residual, input));
-            assert_eq!(expected, actual, "{} of {input:?}", self.name);
+            let expected = run(&self.program, &all);
+            assert_eq!(expected, run(&residual, input), "{} of {input:?}", self.name);
+            for (seed, program) in flipped.iter().enumerate() {
+                assert_eq!(expected, run(program, input), "{} of {input:?}, chaos {seed}", self.name);
+            }
         }
         let again = vec![Arg::Unknown; self.known.iter().filter(|k| k.is_none()).count()];
-        assert_eq!(print(&self.specialize(&residual, &again)), print(&residual), "{}: specialised again", self.name);
+        assert_eq!(print(&self.specialize(&residual, &again, None)), print(&residual), "{}: specialised again", self.name);
         residual
     }
 
-    fn specialize(&self, program: &Program, args: &[Arg]) -> Program {
-        let options = Options { check: true, ..Options::default() };
+    fn specialize(&self, program: &Program, args: &[Arg], chaos: Option<u64>) -> Program {
+        let options = Options { check: true, chaos, ..Options::default() };
         let residual = specialize(&Generic::new(program.clone()), "main", args, &Facts::none(), &options);
         residual.unwrap_or_else(|e| panic!("{}: {e}", self.name)).program
     }

@@ -46,19 +46,7 @@ impl Draft {
 
     /// Reachable continuations, each after one that mentions it.
     pub fn order(&self) -> Vec<ContId> {
-        let mut seen = vec![false; self.p().conts.len()];
-        let mut stack = vec![self.entry];
-        let mut order = Vec::new();
-        while let Some(c) = stack.pop() {
-            if std::mem::replace(&mut seen[c.index()], true) {
-                continue;
-            }
-            order.push(c);
-            let from = stack.len();
-            self.body(c).operands(&mut |x| stack.extend(self.cont_of(x)));
-            stack[from..].reverse();
-        }
-        order
+        reached(self.p(), self.entry)
     }
 
     /// Mentions of each continuation in the bodies of `order`.
@@ -160,8 +148,14 @@ impl Draft {
 
     /// Leave behind what is not reached, and put the rest in canonical order. Gives the number of nodes dropped.
     pub fn compact(&mut self) -> u64 {
-        let old = self.world.program();
-        let order = self.order();
+        let before = self.p().nodes.len();
+        *self = Draft::copy(self.p(), self.entry);
+        before.saturating_sub(self.p().nodes.len()) as u64
+    }
+
+    /// What `entry` reaches of a residual, in canonical order.
+    pub fn copy(old: &Program, entry: ContId) -> Draft {
+        let order = reached(old, entry);
         let mut world = World::new();
         for buffer in &old.buffers {
             world.buffer(buffer.clone());
@@ -180,12 +174,31 @@ impl Draft {
             map_body(&mut body, &mut |x| copy_node(old, &mut world, x, &conts, &mut done));
             world.cont_mut(conts[c]).body = body;
         }
-        self.entry = conts[&self.entry];
-        world.entry(old.entries[0].0.clone(), self.entry);
-        let dropped = old.nodes.len().saturating_sub(world.program().nodes.len());
-        self.world = world;
-        dropped as u64
+        let entry = conts[&entry];
+        world.entry(old.entries[0].0.clone(), entry);
+        Draft { world, entry }
     }
+}
+
+/// Continuations that `entry` reaches, each after one that mentions it.
+fn reached(p: &Program, entry: ContId) -> Vec<ContId> {
+    let mut seen = vec![false; p.conts.len()];
+    let mut stack = vec![entry];
+    let mut order = Vec::new();
+    while let Some(c) = stack.pop() {
+        if std::mem::replace(&mut seen[c.index()], true) {
+            continue;
+        }
+        order.push(c);
+        let from = stack.len();
+        p.cont(c).body.operands(&mut |x| {
+            if let Node::Cont(to) = p.node(x) {
+                stack.push(*to);
+            }
+        });
+        stack[from..].reverse();
+    }
+    order
 }
 
 /// Copy a node and what it depends on to another world.

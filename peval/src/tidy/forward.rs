@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::draft::{Draft, Mention, Subst};
 
 pub(crate) fn run(draft: &mut Draft) -> u64 {
-    same_sides(draft) + pass_on(draft, false) + pass_on(draft, true)
+    pass_on(draft, false) + same_sides(draft) + pass_on(draft, true)
 }
 
 /// Branches and switches that do not matter, or are decided.

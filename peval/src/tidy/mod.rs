@@ -43,6 +43,17 @@ pub(crate) fn tidy(world: World, entry: ContId, all: bool) -> (Program, Vec<Pass
     }
 }
 
+/// One pass over a residual with one entry, once, by its name in the report: for tests and for bug reports. None if there
+/// is no such pass.
+pub fn tidy_with(program: &Program, pass: &str) -> Option<Program> {
+    let all = LOCAL.iter().chain(&[("equal", equal::run as Tidy)]);
+    let (_, run) = *all.into_iter().find(|(name, _)| *name == pass)?;
+    let mut draft = Draft::copy(program, program.entries.first()?.1);
+    run(&mut draft);
+    draft.compact();
+    Some(draft.world.finish())
+}
+
 /// Run a pass and add its time and changes to its line of the report.
 fn timed(passes: &mut Vec<Pass>, name: &'static str, run: impl FnOnce() -> u64) -> u64 {
     let start = Instant::now();
