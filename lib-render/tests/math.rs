@@ -1,10 +1,15 @@
-//! The elementary functions against f64. A function of literals folds to a literal, so no engine is needed.
+//! The core's functions against f64. A function of literals folds to a literal, so no engine is needed.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use jerboa_ir::Lit;
 use jerboa_ir::lang::{F32, build};
+use jerboa_lib_render::core::fresnel::fresnel_dielectric;
 use jerboa_lib_render::core::math::*;
+use jerboa_lib_render::core::microfacet::ggx_d;
+use jerboa_lib_render::core::onb::onb;
+use jerboa_lib_render::core::sampling::*;
+use jerboa_lib_render::core::vec::{Vec3, vec2, vec3};
 
 /// f at each pair of arguments.
 fn fold(args: &[(f32, f32)], f: impl Fn(F32, F32) -> F32) -> Vec<f32> {
@@ -167,4 +172,102 @@ fn powers() {
     let special = [(0.0, 0.0), (nan, 0.0), (0.0, 2.0), (0.0, -2.0), (inf, 2.0), (inf, -2.0), (2.0, inf), (2.0, -inf), (1.0, 1e38)];
     assert_eq!(fold(&special, pow), [1.0, 1.0, 0.0, inf, inf, 0.0, inf, 0.0, 1.0]);
     assert!(fold(&[(-1.0, 2.0), (nan, 1.0), (2.0, nan)], pow).iter().all(|y| y.is_nan()));
+}
+
+/// T12: exact reflectance, f64 by the two polarisations.
+#[test]
+fn fresnel() {
+    let truth = |cos: f64, eta: f64| {
+        let sin2 = (1.0 - cos * cos) / (eta * eta);
+        if sin2 >= 1.0 {
+            return 1.0;
+        }
+        let t = (1.0 - sin2).sqrt();
+        let (s, p) = ((cos - eta * t) / (cos + eta * t), (eta * cos - t) / (eta * cos + t));
+        (s * s + p * p) / 2.0
+    };
+    let mut cosines = spread(5_000, 0.0, 1.0);
+    cosines.extend((0..60).map(|i| 10f32.powf(-7.0 + 0.1 * i as f32)));
+    for eta in [1.5f32, 1.0 / 1.5, 1.33, 2.4, 0.9, 1.001] {
+        let critical = (1.0 - f64::from(eta).powi(2)).max(0.0).sqrt();
+        let near = (0..50).map(|i| (critical * (1.0 + 1e-9 * 1.5f64.powi(i))).min(1.0) as f32);
+        let cosines: Vec<f32> = cosines.iter().copied().chain(near).collect();
+        let pairs: Vec<(f32, f32)> = cosines.iter().map(|c| (*c, eta)).collect();
+        for ((cos, _), r) in pairs.iter().zip(fold(&pairs, fresnel_dielectric)) {
+            let expected = truth((*cos).into(), eta.into());
+            let bound = (1.5e-7 / (f64::from(*cos) - critical).abs().sqrt()).max(5e-7);
+            assert!((0.0..=1.0).contains(&r), "eta {eta}, cos {cos}: {r}");
+            assert!((f64::from(r) - expected).abs() <= bound, "eta {eta}, cos {cos:e}: {r}, not {expected}");
+        }
+    }
+    assert!(fold(&cosines.iter().map(|c| (*c, 1.0)).collect::<Vec<_>>(), fresnel_dielectric).iter().all(|r| *r <= 1e-7));
+    let third = 1.0 / 1.5;
+    let table = [(1.0, 1.5), (0.5, 1.5), (0.1, 1.5), (0.01, 1.5), (1e-4, 1.5), (1.0, third), (0.9, third), (0.75, third), (0.5, third)];
+    let expected = [0.04, 0.089_186_713, 0.571_592_52, 0.943_752_54, 0.999_418_8, 0.04, 0.046_332_65, 0.5, 1.0];
+    for (got, expected) in fold(&table, fresnel_dielectric).iter().zip(expected) {
+        assert!((got - expected).abs() <= 1e-6, "{got}, not {expected}");
+    }
+    // Everything is reflected by an index of 0.
+    assert_eq!(fold(&[(0.7, 0.0), (1.0, 0.0)], fresnel_dielectric), [1.0, 1.0]);
+}
+
+/// N7: orthonormal for every normal, −z and its neighbours included.
+#[test]
+fn frames() {
+    let mut normals: Vec<[f32; 3]> = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [-0.0, 0.0, -1.0]];
+    for (i, z) in spread(500, -1.0, 1.0).into_iter().enumerate() {
+        let (s, phi) = ((1.0 - z * z).max(0.0).sqrt(), i as f32 * 2.4);
+        normals.push([s * phi.cos(), s * phi.sin(), z]);
+        let t = 1e-4 * z;
+        normals.push([t * phi.cos(), t * phi.sin(), -(1.0 - t * t).sqrt()]);
+    }
+    for [x, y, z] in normals {
+        let part = |pick: fn(Vec3, Vec3) -> F32| f64::from(fold1(&[0.0], |_| {
+            let (s, t) = onb(vec3(x, y, z));
+            pick(s, t)
+        })[0]);
+        let s = [part(|s, _| s.x), part(|s, _| s.y), part(|s, _| s.z)];
+        let t = [part(|_, t| t.x), part(|_, t| t.y), part(|_, t| t.z)];
+        let n = [x, y, z].map(f64::from);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let length = dot(n, n);
+        let worst = [dot(s, t), dot(s, n), dot(t, n), dot(s, s) - length, dot(t, t) - length].map(f64::abs);
+        assert!(worst.iter().all(|e| *e < 4e-7), "[{x}, {y}, {z}]: {worst:?}");
+        let handed = dot([s[1] * t[2] - s[2] * t[1], s[2] * t[0] - s[0] * t[2], s[0] * t[1] - s[1] * t[0]], n);
+        assert!((handed - 1.0).abs() < 1e-6);
+    }
+}
+
+/// N4: the distribution of normals down to the smallest rough α.
+#[test]
+fn ggx() {
+    for alpha in [1e-3f32, 0.01, 0.1, 0.5, 1.0] {
+        for tan in [0.0f32, 0.1, 0.7, 1.0, 3.0, 30.0] {
+            let t = f64::from(tan * alpha);
+            let (x, z) = ((t / (1.0 + t * t).sqrt()) as f32, (1.0 / (1.0 + t * t).sqrt()) as f32);
+            let got = fold1(&[x], |x| ggx_d(vec3(x * 0.6, x * 0.8, z), alpha.into()))[0];
+            let (a2, x2, z2) = (f64::from(alpha).powi(2), f64::from(x).powi(2), f64::from(z).powi(2));
+            let expected = 1.0 / (std::f64::consts::PI * a2 * (x2 / a2 + z2).powi(2));
+            assert!((f64::from(got) / expected - 1.0).abs() < 1e-6, "α {alpha}, tan {tan} α: {got}, not {expected}");
+        }
+    }
+}
+
+/// Warps stay in their shapes and are centred.
+#[test]
+fn warps() {
+    let us: Vec<(f32, f32)> = (0..4096).map(|i| ((i % 64) as f32 / 64.0, (i / 64) as f32 / 64.0)).collect();
+    let inside = |f: fn(F32, F32) -> F32, lo: f32, hi: f32, mean: f32| {
+        let values = fold(&us, f);
+        assert!(values.iter().all(|x| (lo..=hi).contains(x)));
+        let got = values.iter().sum::<f32>() / values.len() as f32;
+        assert!((got - mean).abs() < 0.02, "{got}, not {mean}");
+    };
+    inside(|u, v| { let d = concentric_disk(vec2(u, v)); d.x * d.x + d.y * d.y }, 0.0, 1.000_001, 0.5);
+    inside(|u, v| cosine_hemisphere(vec2(u, v)).z, 0.0, 1.0, 2.0 / 3.0);
+    inside(|u, v| uniform_triangle(vec2(u, v)).x, 0.0, 1.0, 1.0 / 3.0);
+    inside(|u, v| { let w = uniform_triangle(vec2(u, v)); w.x + w.y }, 0.0, 1.0, 2.0 / 3.0);
+    inside(|u, v| uniform_sphere(vec2(u, v)).z, -1.0, 1.0, 0.0);
+    inside(|u, v| uniform_sphere(vec2(u, v)).length2(), 0.999_999, 1.000_001, 1.0);
+    inside(|u, v| 1.0 - uniform_cone(vec2(u, v), 0.1.into()).z, 0.0, 0.100_001, 0.05);
 }

@@ -7,5 +7,6 @@ mod geometry;
 mod lights;
 mod spawn;
 mod probe;
+mod residual;
 mod textures;
 mod traverse;

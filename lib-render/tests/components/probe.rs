@@ -57,7 +57,7 @@ pub struct Probe {
     pub normal: V,
 }
 
-fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3) -> Material {
+pub fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3) -> Material {
     let zero = || F32::from(0.0);
     let nowhere = Vec3 { x: zero(), y: zero(), z: zero() };
     let surf = SurfaceElement {
@@ -74,9 +74,9 @@ fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3) -> 
 }
 
 impl Probe {
-    /// A surface in the plane z = 0, material 0 with these numbers; no lobe is on.
+    /// A surface in the plane z = 0.
     pub fn new() -> Probe {
-        let mut bench = Bench::new(|| {
+        let bench = Bench::new(|| {
             entry("eval", Fun::lam(|b, (g, n, wi, wo): (Vec3, Vec3, Vec3, Vec3)| {
                 let bsdf = material(b, g, n).bsdf;
                 let f: Color = bsdf.eval.call(b, (wi, wo));
@@ -89,14 +89,20 @@ impl Probe {
                 (s, f, bsdf.pdf.call(b, (s.wi, wo)))
             }));
         });
+        Probe { bench, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
+    }
+
+    /// White, index 1.5, no lobe on; the normals as they were made.
+    fn reset(&mut self) -> &mut Probe {
+        self.bench.rows::<Materials>(1);
         for column in [Materials::BASE_R, Materials::BASE_G, Materials::BASE_B] {
-            bench.set(column, 0, 1.0);
+            self.number(column, 1.0);
         }
         for column in [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B] {
-            bench.set(column, 0, 1.0);
+            self.number(column, 1.0);
         }
-        bench.set(Materials::IOR, 0, 1.5);
-        Probe { bench, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
+        (self.face, self.normal) = ([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
+        self.number(Materials::IOR, 1.5)
     }
 
     /// Does the geometric normal tell the sides apart?
@@ -129,43 +135,39 @@ impl Probe {
         self.number(Materials::ROUGHNESS, roughness)
     }
 
+    /// Lambert's surface, coloured.
+    pub fn lambert(&mut self) -> &mut Probe {
+        self.reset().flag(Materials::HAS_DIFFUSE, true).roughness(1.0).coloured()
+    }
+
     /// White metal.
-    pub fn metal(roughness: f32) -> Probe {
-        let mut probe = Probe::new();
-        probe.flag(Materials::HAS_METAL, true).number(Materials::METALLIC, 1.0).roughness(roughness);
-        probe
+    pub fn metal(&mut self, roughness: f32) -> &mut Probe {
+        self.reset().flag(Materials::HAS_METAL, true).number(Materials::METALLIC, 1.0).roughness(roughness)
     }
 
     /// White diffuse under a layer.
-    pub fn plastic(roughness: f32) -> Probe {
-        let mut probe = Probe::new();
-        probe.flag(Materials::HAS_DIFFUSE, true).flag(Materials::HAS_SPECULAR, true);
-        probe.number(Materials::SPECULAR, 1.0).roughness(roughness);
-        probe
+    pub fn plastic(&mut self, roughness: f32) -> &mut Probe {
+        self.reset().flag(Materials::HAS_DIFFUSE, true).flag(Materials::HAS_SPECULAR, true);
+        self.number(Materials::SPECULAR, 1.0).roughness(roughness)
     }
 
     /// White glass of a solid, or of a thin wall.
-    pub fn glass(roughness: f32, thin: bool) -> Probe {
-        let mut probe = Probe::new();
-        probe.flag(Materials::HAS_SPECULAR, true).flag(Materials::HAS_TRANSMISSION, true).flag(Materials::THIN, thin);
-        probe.number(Materials::SPECULAR, 1.0).number(Materials::TRANSMISSION, 1.0).roughness(roughness);
-        probe
+    pub fn glass(&mut self, roughness: f32, thin: bool) -> &mut Probe {
+        self.reset().flag(Materials::HAS_SPECULAR, true).flag(Materials::HAS_TRANSMISSION, true);
+        self.flag(Materials::THIN, thin).number(Materials::SPECULAR, 1.0).number(Materials::TRANSMISSION, 1.0);
+        self.roughness(roughness)
     }
 
     /// Everything at once.
-    pub fn medley(roughness: f32) -> Probe {
-        let mut probe = Probe::glass(roughness, false);
-        probe.flag(Materials::HAS_DIFFUSE, true).flag(Materials::HAS_METAL, true).coloured();
-        probe.number(Materials::METALLIC, 0.3).number(Materials::TRANSMISSION, 0.6).number(Materials::SPECULAR, 0.7);
-        probe.number(Materials::SPECULAR_R, 0.0).number(Materials::SPECULAR_G, 2.0);
-        probe
+    pub fn medley(&mut self, roughness: f32) -> &mut Probe {
+        self.glass(roughness, false).flag(Materials::HAS_DIFFUSE, true).flag(Materials::HAS_METAL, true).coloured();
+        self.number(Materials::METALLIC, 0.3).number(Materials::TRANSMISSION, 0.6).number(Materials::SPECULAR, 0.7);
+        self.number(Materials::SPECULAR_R, 0.0).number(Materials::SPECULAR_G, 2.0)
     }
 
     /// Diffuse and Phong.
-    pub fn phong(ns: f32) -> Probe {
-        let mut probe = Probe::new();
-        probe.flag(Materials::PHONG, true).number(Materials::PHONG_NS, ns).coloured();
-        probe
+    pub fn phong(&mut self, ns: f32) -> &mut Probe {
+        self.reset().flag(Materials::PHONG, true).number(Materials::PHONG_NS, ns).coloured()
     }
 
     /// f, pdf, is the whole specular?
