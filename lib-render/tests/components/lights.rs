@@ -73,7 +73,7 @@ fn sample(bench: &mut Bench, key: u32, point: [f32; 3], both: bool) -> Sample {
 fn mean(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (n, sum, squares) = values.fold((0.0, 0.0, 0.0), |(n, s, q), x| (n + 1.0, s + x, q + x * x));
     let mean = sum / n;
-    (mean, ((squares / n - mean * mean) / n).sqrt())
+    (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
 }
 
 #[test]
@@ -236,4 +236,40 @@ fn the_environment_is_turned_about_y() {
         let (radiance, _) = environment(&mut bench, dir, true);
         assert!((radiance - expected).abs() < 1e-5, "{dir:?}: {radiance}, not {expected}");
     }
+}
+
+/// Flux of light 0 by the rays that leave it: mean of intensity · cos / density, and its standard error.
+fn flux(bench: &mut Bench, random: &mut Random, entry: &str) -> (f64, f64) {
+    mean((0..20_000).map(|i| {
+        let args = [random.bits() as u32, 0];
+        let out = if i < 50 { bench.run_both(entry, &args) } else { bench.run(entry, &args) };
+        let f = |i: usize| f64::from(f32::from_bits(out[i]));
+        assert!(((3..6).map(|i| f(i) * f(i)).sum::<f64>() - 1.0).abs() < 1e-5, "a unit direction");
+        f(6) * f(9) / (f(10) * f(11))
+    }))
+}
+
+#[test]
+fn the_rays_that_leave_a_light_carry_its_flux() {
+    use std::f64::consts::PI;
+    let mut random = Random::new(0x5eed_000f);
+    let mut bench = bench(1);
+    let close = |(flux, error): (f64, f64), expected: f64, what: &str| {
+        assert!((flux - expected).abs() <= 4.0 * error + 1e-4 * expected, "{what}: {flux} ± {error}, not {expected}");
+    };
+    for (both, sides) in [(false, 1.0), (true, 2.0)] {
+        bench.set(Lights::DOUBLE_SIDED, 0, both);
+        set_area(&mut bench, 0, LIGHT_TRIANGLE, [1.0, 2.0, 3.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], 3.0);
+        close(flux(&mut bench, &mut random, "emit_triangle"), sides * 3.0 * PI, "triangle");
+        set_area(&mut bench, 0, LIGHT_QUAD, [1.0, 2.0, 3.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], 6.0);
+        close(flux(&mut bench, &mut random, "emit_quad"), sides * 6.0 * PI, "quad");
+    }
+    set_area(&mut bench, 0, LIGHT_SPOT, [0.0; 3], [0.0, 0.6, 0.8], [0.0; 3], 0.0);
+    bench.set(Lights::COS_OUTER, 0, 0.5_f32);
+    bench.set(Lights::COS_INNER, 0, 0.75_f32);
+    // The full intensity above the inner cosine, and the integral of the square of a ramp below.
+    close(flux(&mut bench, &mut random, "emit_spot"), 2.0 * PI * (0.25 + 0.25 / 3.0), "spot");
+    set_environment(&mut bench, &Image::from_fn(8, 4, |_, _| [1.0; 3]));
+    bench.set(Lights::SCENE_RADIUS, 0, 3.0_f32);
+    close(flux(&mut bench, &mut random, "emit_environment"), 2.0 * 4.0 * PI * PI * 9.0, "environment");
 }
