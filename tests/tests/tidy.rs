@@ -47,6 +47,7 @@ rules! {
     no_path_of_a_machine
     unsafe_states_its_reason
     files_say_what_they_are
+    models_name_their_source
     dependencies_have_a_reason
     pages_name_what_exists
 }
@@ -119,6 +120,23 @@ mod rule {
     pub fn files_say_what_they_are(all: &[Source]) -> Vec<String> {
         let bare = all.iter().filter(|s| is_src(&s.path) && !s.text.starts_with("//! "));
         bare.map(|s| format!("{}: begins without `//!`", s.path)).collect()
+    }
+
+    /// Each scattering model and each approximation of mathematics says where it comes from: in a comment, `Source:`, or
+    /// a year of publication, or the paper's section.
+    pub fn models_name_their_source(all: &[Source]) -> Vec<String> {
+        let mut faults = Vec::new();
+        for source in all.iter().filter(|s| is_model(&s.path)) {
+            let comments = source.comments();
+            let cites = comments.contains("Source:") || comments.contains("paper, section") || has_year(&comments);
+            if !cites {
+                faults.push(format!("{}: names no source", source.path));
+            }
+        }
+        if !all.iter().any(|s| is_model(&s.path)) {
+            faults.push("lib-render/src/bsdf: no model is where this rule looks for them".into());
+        }
+        faults
     }
 
     /// Each outside dependency of the workspace has a comment above it; a family (`cranelift-*`) shares one.
@@ -221,6 +239,20 @@ fn word_at(text: &str, word: &str) -> Option<usize> {
     })
 }
 
+/// Does the file hold formulas of somebody else? Scattering models, and mathematics that every scene rests on.
+fn is_model(path: &str) -> bool {
+    let Some(inner) = path.strip_prefix("lib-render/src/") else { return false };
+    let (folder, name) = inner.rsplit_once('/').unwrap_or(("", inner));
+    let models = ["bsdf", "core/math"].contains(&folder) && !["mod.rs", "tests.rs"].contains(&name);
+    models
+        || ["core/fresnel.rs", "core/microfacet.rs", "core/onb.rs", "core/rng.rs", "core/sampling.rs"].contains(&inner)
+}
+
+/// Does a number from 1900 to 2099 stand alone in it?
+fn has_year(text: &str) -> bool {
+    text.split(|c: char| !is_word(c)).any(|w| w.len() == 4 && w.parse::<u32>().is_ok_and(|y| (1900..2100).contains(&y)))
+}
+
 #[test]
 fn each_rule_refuses_a_bad_sample() {
     let manifest = "[workspace.dependencies]\n# Why.\nwheel-a = \"1\"\nwheel-b = \"1\"\n";
@@ -248,6 +280,7 @@ fn each_rule_refuses_a_bad_sample() {
         ("unsafe_states_its_reason", "ir/tests/a.rs", "// SAFETY: of something else\n\nlet a = unsafe { f() };"),
         ("unsafe_states_its_reason", "ir/tests/a.rs", "unsafe impl Send for A {}"),
         ("files_say_what_they_are", "ir/src/a.rs", "use a::b;"),
+        ("models_name_their_source", "lib-render/src/bsdf/b.rs", "//! A model.\nconst YEAR: u32 = 2007;\n"),
         ("pages_name_what_exists", "README.md", "See `ir/src/gone.rs`."),
         ("pages_name_what_exists", "README.md", "See `ir/src/lib.rs::gone`."),
         ("pages_name_what_exists", "docs/a.md", "See [this](../ir/src/gone.rs)."),

@@ -2,6 +2,7 @@
 //!
 //! - Parameters: reflectance `f0` at normal incidence per channel (Schlick, F90 = 1), GGX width `alpha`; below 1e-3 a mirror.
 //! - Frame, measure, sampling and what happens below the surface: as `gltf`.
+//! - Source: glTF 2.0, appendix B; Walter et al. 2007, section 5.
 
 use jerboa_ir::lang::F32;
 

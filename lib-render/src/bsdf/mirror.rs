@@ -3,6 +3,7 @@
 //! - Parameters: reflectance `kr` per channel.
 //! - Specular: f and pdf are 0; one direction, the mirror image of wo about the (bent) shading normal, weight `kr`.
 //! - With consistent normals, a direction that would enter the surface after all has weight 0.
+//! - Source: Pharr, Jakob, Humphreys 2023, section 9.3.
 
 use crate::bsdf::frame::{Side, reflect};
 use crate::bsdf::{Bsdf, BsdfSample, SampleFn};
