@@ -5,8 +5,11 @@ use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 
 use crate::core::rng::{Rng, hash, uniform};
 use crate::core::vec::Vec2;
-use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Materials};
+use crate::geometry::triangle::Triangle;
+use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Geometries, Materials, Primitives};
 use crate::texture::look_up;
+use crate::tracer::RayState;
+use crate::traverse::AcceptFn;
 
 /// Alpha of a material at these texture coordinates: factor times texture.
 pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
@@ -43,4 +46,15 @@ pub fn is_there(
             )
         },
     )
+}
+
+/// Whether a hit of the ray that leads to the next vertex of this path counts.
+pub fn make_accept(state: RayState) -> AcceptFn {
+    AcceptFn::lam(move |b, (_, hit)| {
+        let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
+        b.dispatch(Row::<Geometries>::at(geometry), |b, row| {
+            let uv = Triangle::of(hit).uv(b, row);
+            is_there(b, row.get(Geometries::MATERIAL), uv, state.rng, state.vertex, hit.primitive)
+        })
+    })
 }

@@ -69,6 +69,8 @@ table! {
         HAS_LIGHTS: Bool, structure;
         /// Does any material cut holes (mask or blend)?
         HAS_CUTOUTS: Bool, structure;
+        /// Does any volume absorb?
+        HAS_VOLUMES: Bool, structure;
         /// Roulette may end a path from this scattering on.
         RR_DEPTH: U32, value;
         /// Largest survival probability.

@@ -27,6 +27,7 @@ pub fn make_shader(row: Row<Materials>) -> Shader {
             is_unlit: row.get(Materials::UNLIT),
             base,
             absorption,
+            normal: surf.local.normal,
         }
     })
 }

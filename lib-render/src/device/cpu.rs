@@ -4,15 +4,17 @@
 //! ray counts go to row i − first of the stream. So a tile is a range of items, and the host may cut the window as it
 //! likes.
 
-use jerboa_ir::lang::{Block, Exit, Fun, Left, Row, U32, entry};
+use jerboa_ir::lang::{Block, Exit, Fun, Keep, Left, Row, U32, entry};
 
 use crate::core::color::{Color, black};
+use crate::cutout::make_accept;
 use crate::device::Device;
 use crate::geometry::make_geometry;
 use crate::ray::{Hit, Ray};
 use crate::schema::{Frame, Geometries, Primitives, Samples};
+use crate::shader::make_shader;
 use crate::tracer::{RayState, Tracer};
-use crate::traverse::{Traverse, make_traverse};
+use crate::traverse::{TraverseFn, make_traverse};
 
 /// A device that runs one path after the other.
 pub fn make_cpu_device() -> Device {
@@ -45,7 +47,7 @@ fn trace(name: &str, tracer: Tracer) {
 
 /// Column and row on the film, and sample, of an item.
 fn item(i: U32) -> (U32, U32, U32) {
-    let frame = Row::<Frame>::at(0);
+    let frame = Row::<Frame>::at(0u32);
     let (samples, width) = (frame.get(Frame::SAMPLES), frame.get(Frame::CROP_WIDTH));
     let pixel = i / samples;
     let sample = frame.get(Frame::SAMPLE) + i % samples;
@@ -53,11 +55,11 @@ fn item(i: U32) -> (U32, U32, U32) {
 }
 
 /// One path: its radiance and its numbers of rays, closest hit and shadow.
-fn path(b: &mut Block, tracer: Tracer, traverse: Traverse, x: U32, y: U32, sample: U32) -> (Color, U32, U32) {
+fn path(b: &mut Block, tracer: Tracer, traverse: TraverseFn, x: U32, y: U32, sample: U32) -> (Color, U32, U32) {
     let (ray, state) = tracer.on_emit.call(b, (x, y, sample));
     let start = Path { ray, state, sum: black(), closest: 0.into(), shadow: 0.into() };
     b.loop_(start, |b, path, next, done| {
-        let hit = traverse.closest.call(b, (path.ray, path.state));
+        let hit = traverse.call(b, (path.ray, Keep(false.into()), make_accept(path.state)));
         let path = Path { closest: path.closest + 1u32, ..path };
         b.branch(
             hit.is_hit(),
@@ -89,7 +91,7 @@ jerboa_ir::impl_staged!(Path { ray, state, sum, closest, shadow });
 fn shade(
     b: &mut Block,
     tracer: Tracer,
-    traverse: Traverse,
+    traverse: TraverseFn,
     row: Row<Geometries>,
     path: Path,
     hit: Hit,
@@ -97,7 +99,7 @@ fn shade(
     done: Exit<(Color, U32, U32)>,
 ) -> Left {
     let Path { ray, state, .. } = path;
-    let geometry = make_geometry(row);
+    let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
     let surf = geometry.surface_element.call(b, (ray, hit));
     let mat = geometry.shader.call(b, (ray, hit, surf));
     let sum = path.sum + tracer.on_hit.call(b, (ray, hit, state, surf, mat));
@@ -105,7 +107,7 @@ fn shade(
     // Trace the shadow ray, if there is one.
     let (light, rays) = b.label(|b, k: Exit<(Color, U32)>| {
         let emit = Exit::exits(|b, (shadow_ray, contribution): (Ray, Color)| {
-            let blocked = traverse.any.call(b, (shadow_ray, state));
+            let blocked = traverse.call(b, (shadow_ray, Keep(true.into()), make_accept(state))).is_hit();
             k.take(b, (blocked.select(black(), contribution), 1.into()))
         });
         let skip = Exit::exits(|b, ()| k.take(b, (black(), 0.into())));

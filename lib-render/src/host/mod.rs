@@ -12,6 +12,9 @@
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it.
 
 pub mod tables;
+pub mod generate;
+pub mod renderer;
+pub mod replay;
 pub mod bvh;
 pub mod compare;
 pub mod distribution;

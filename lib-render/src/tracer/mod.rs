@@ -3,24 +3,25 @@
 //! Each function takes its outcomes as exits; a device connects them. `on_shadow` either traces a shadow ray or does not;
 //! `on_bounce` either goes on or ends the path.
 
-use jerboa_ir::lang::{Exit, F32, Fun, Never, U32};
-use jerboa_ir::{impl_staged, lang::Bool};
+pub mod path;
+pub mod debug;
 
-use crate::core::color::Color;
+use jerboa_ir::impl_staged;
+use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Never, Row, U32};
+
+use crate::camera::CameraFn;
+use crate::core::color::{Color, black, white};
 use crate::core::rng::Rng;
 use crate::geometry::SurfaceElement;
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
+use crate::schema::Frame;
 
 /// What a path carries from vertex to vertex.
 #[derive(Clone, Copy)]
 pub struct RayState {
     /// Random numbers of this sample.
     pub rng: Rng,
-    /// Pixel, counted over the whole film.
-    pub pixel: U32,
-    /// Sample.
-    pub sample: U32,
     /// Number of the vertex this ray leads to: 1 is what the camera sees.
     pub vertex: U32,
     /// Product of the weights so far.
@@ -34,7 +35,7 @@ pub struct RayState {
     /// Absorption coefficient along this ray, 1/m.
     pub absorption: Color,
 }
-impl_staged!(RayState { rng, pixel, sample, vertex, throughput, radiance_scale, pdf_dir, is_specular, absorption });
+impl_staged!(RayState { rng, vertex, throughput, radiance_scale, pdf_dir, is_specular, absorption });
 
 /// (x, y on the film; sample) → first ray.
 pub type OnEmitFn = Fun<(U32, U32, U32), (Ray, RayState)>;
@@ -62,3 +63,20 @@ pub struct Tracer {
     pub on_bounce: OnBounceFn,
 }
 impl_staged!(Tracer { on_emit, on_hit, on_miss, on_shadow, on_bounce });
+
+/// The camera's ray for a sample of a pixel, and the state of a path that starts with it.
+pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -> (Ray, RayState) {
+    let frame = Row::<Frame>::at(0u32);
+    let pixel = y * frame.get(Frame::WIDTH) + x;
+    let rng = Rng::new(frame.get(Frame::SEED), pixel, sample);
+    let state = RayState {
+        rng,
+        vertex: 1.into(),
+        throughput: white(),
+        radiance_scale: 1.0.into(),
+        pdf_dir: 0.0.into(),
+        is_specular: true.into(),
+        absorption: black(),
+    };
+    (camera.call(b, (x, y, rng.vertex(0.into(), 0))), state)
+}

@@ -58,11 +58,7 @@ fn surface(row: &mut Row, m: &Material) {
     row.set(M::IOR, if m.ior == 0.0 { IOR_OF_MIRROR } else { m.ior });
     row.set(M::SPECULAR, m.specular).set(M::TRANSMISSION, m.transmission);
     row.set_all([M::SPECULAR_R, M::SPECULAR_G, M::SPECULAR_B], m.specular_color);
-    // KHR_materials_volume: attenuation_color is left of white light after attenuation_distance.
-    let absorption = |v: &jerboa_scenes::Volume| v.attenuation_color.map(|c| -c.max(f32::MIN_POSITIVE).ln() / v.attenuation_distance);
-    let sigma = m.volume.as_ref().map_or([0.0; 3], absorption);
-    row.set_all([M::ABSORPTION_R, M::ABSORPTION_G, M::ABSORPTION_B], sigma);
-    row.set(M::HAS_ABSORPTION, is_thick(m) && sigma.iter().any(|s| *s > 0.0));
+    row.set_all([M::ABSORPTION_R, M::ABSORPTION_G, M::ABSORPTION_B], absorption(m)).set(M::HAS_ABSORPTION, absorbs(m));
 }
 
 /// Which lobes can be present, and whether they are perfectly smooth.
@@ -95,4 +91,16 @@ fn lobes(row: &mut Row, m: &Material) {
 /// Has the surface an inside?
 fn is_thick(m: &Material) -> bool {
     m.volume.as_ref().is_some_and(|v| v.thickness > 0.0)
+}
+
+/// Absorption coefficients, 1/m. KHR_materials_volume: `attenuation_color` is what is left of white light after
+/// `attenuation_distance`.
+fn absorption(m: &Material) -> [f32; 3] {
+    let Some(v) = &m.volume else { return [0.0; 3] };
+    v.attenuation_color.map(|c| -c.max(f32::MIN_POSITIVE).ln() / v.attenuation_distance)
+}
+
+/// Does light get lost inside?
+pub fn absorbs(m: &Material) -> bool {
+    is_thick(m) && absorption(m).iter().any(|s| *s > 0.0)
 }

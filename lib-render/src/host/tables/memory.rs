@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use jerboa_ir::Layout;
+pub use jerboa_ir::interp::Memory;
 use jerboa_ir::lang::{Bool, Buf, Col, F32, I32, Row, U32};
 
 /// A staged type that has a host counterpart in one word of memory.
@@ -29,15 +30,6 @@ impl<B> Word for Row<B> {
     fn word(x: u32) -> u32 {
         x
     }
-}
-
-/// A table's content, row by row.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Memory {
-    /// Number of rows.
-    pub rows: u32,
-    /// The words: that of (row, column) is `row · columns + column`.
-    pub words: Vec<u32>,
 }
 
 /// A table that is being written.

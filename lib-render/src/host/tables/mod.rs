@@ -131,7 +131,8 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
         .set(S::LIGHT_COUNT, lights)
-        .set(S::HAS_CUTOUTS, cutouts);
+        .set(S::HAS_CUTOUTS, cutouts)
+        .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs));
     table.finish()
 }
 

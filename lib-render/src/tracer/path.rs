@@ -1,0 +1,145 @@
+//! The path tracer: next event estimation and multiple importance sampling (Veach 1997, chapter 9), roulette by
+//! throughput.
+//!
+//! Path vertices count from 0, the camera; the ray that leaves vertex k is edge k + 1. Vertex 1 is what the camera sees.
+//! A path has at most `MAX_DEPTH` edges: 1 shows emitters only, 2 adds direct light.
+
+use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
+
+use crate::camera::CameraFn;
+use crate::core::color::{Color, black};
+use crate::core::math::exp;
+use crate::core::rng::{DIM_BSDF, DIM_LIGHT, DIM_ROULETTE};
+use crate::core::vec::Vec3;
+use crate::geometry::SurfaceElement;
+use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
+use crate::light::environment::{environment_pdf, environment_radiance};
+use crate::light::{DirectLightSample, sample_light};
+use crate::material::Material;
+use crate::mis::power_heuristic;
+use crate::ray::{Hit, Ray};
+use crate::schema::Settings;
+use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer, first_ray};
+
+/// Scattering from which on a path survives with probability at most 1 − 4/k: the expected length is finite in every
+/// scene, a white closed box too (accuracy.md, N22 as amended).
+const LONG_PATH: u32 = 512;
+
+/// The path tracer.
+pub fn make_path_tracer(camera: CameraFn) -> Tracer {
+    Tracer {
+        on_emit: Fun::lam(move |b, (x, y, sample): (U32, U32, U32)| first_ray(b, camera, x, y, sample)),
+        on_hit: OnHitFn::lam(|b, (ray, hit, state, surf, mat)| emitted(b, ray, hit, state, surf, mat)),
+        on_miss: OnMissFn::lam(|b, (ray, state)| sky(b, ray, state)),
+        on_shadow: OnShadowFn::exits(|b, (ray, hit, state, surf, mat, emit, skip)| {
+            b.when(!(has_lights() & within_depth(state) & !mat.is_unlit & !mat.bsdf.is_specular), |b| skip.take(b, ()));
+            let light = sample_light(b, state.rng.vertex(state.vertex, DIM_LIGHT), surf.point);
+            let contribution = direct(b, ray, hit, state, mat, light);
+            b.when(contribution.is_black(), |b| skip.take(b, ()));
+            emit.take(b, (spawn_shadow_ray(surf, light), contribution))
+        }),
+        on_bounce: OnBounceFn::exits(|b, (ray, hit, state, surf, mat, next, end)| {
+            b.when(!within_depth(state) | mat.is_unlit, |b| end.take(b, ()));
+            let sample = mat.bsdf.sample.call(b, (state.rng.vertex(state.vertex, DIM_BSDF), -ray.dir));
+            let throughput = arriving(b, state, hit).absorb(sample.weight);
+            b.when(throughput.is_black(), |b| end.take(b, ()));
+            let radiance_scale = state.radiance_scale * sample.radiance_scale;
+            let survival = survival(b, state.vertex, throughput / radiance_scale);
+            let (u, _) = state.rng.vertex(state.vertex, DIM_ROULETTE).next();
+            b.when(u.ge(survival), |b| end.take(b, ()));
+            let state = RayState {
+                vertex: state.vertex + 1u32,
+                throughput: throughput / survival,
+                radiance_scale,
+                pdf_dir: sample.pdf_dir,
+                is_specular: sample.is_specular,
+                absorption: absorption_along(state, surf, mat, -ray.dir, sample.wi),
+                ..state
+            };
+            next.take(b, (spawn_ray(surf, sample.wi), state))
+        }),
+    }
+}
+
+fn settings() -> Row<Settings> {
+    Row::at(0u32)
+}
+
+fn has_lights() -> Bool {
+    settings().get(Settings::HAS_LIGHTS)
+}
+
+/// May the path have one edge more than those that lead to this vertex?
+fn within_depth(state: RayState) -> Bool {
+    !settings().get(Settings::DEPTH_LIMITED) | state.vertex.lt(settings().get(Settings::MAX_DEPTH))
+}
+
+/// Throughput at a hit: what absorption leaves along the ray.
+fn arriving(b: &mut Block, state: RayState, hit: Hit) -> Color {
+    b.if_(
+        settings().get(Settings::HAS_VOLUMES),
+        |_| state.throughput * state.absorption.map(|sigma| exp(-sigma.absorb(hit.t))),
+        |_| state.throughput,
+    )
+}
+
+/// Absorption along the next ray: a ray that enters meets the volume of this surface, one that leaves meets none, one
+/// that is reflected what it met before.
+fn absorption_along(state: RayState, surf: SurfaceElement, mat: Material, wo: Vec3, wi: Vec3) -> Color {
+    let crosses = (surf.face_cos(wo) * surf.face_cos(wi)).lt(0.0);
+    let beyond = surf.face_cos(wi).lt(0.0).select(mat.absorption, black());
+    let has_volumes = settings().get(Settings::HAS_VOLUMES);
+    has_volumes.select(crosses.select(beyond, state.absorption), black())
+}
+
+/// What the surface itself adds: its emission, weighted against light sampling; an unlit one its base colour.
+fn emitted(b: &mut Block, ray: Ray, hit: Hit, state: RayState, surf: SurfaceElement, mat: Material) -> Color {
+    let unlit = |b: &mut Block| arriving(b, state, hit).absorb(mat.base);
+    let lit = |b: &mut Block| {
+        let emission = |b: &mut Block| {
+            let value = mat.emission.call(b, -ray.dir);
+            // From density per square metre at the emitter to density per steradian at the vertex before.
+            let by_light = value.pdf_area * hit.t * hit.t / surf.face_cos(ray.dir).abs();
+            let weight = state.is_specular.select(F32::from(1.0), power_heuristic(state.pdf_dir, by_light));
+            arriving(b, state, hit).absorb(value.intensity) * weight
+        };
+        b.if_(mat.is_emissive, emission, |_| black())
+    };
+    b.if_(mat.is_unlit, unlit, lit)
+}
+
+/// What the environment adds to a ray that hits nothing.
+fn sky(b: &mut Block, ray: Ray, state: RayState) -> Color {
+    let radiance = |b: &mut Block| {
+        let by_light = b.if_(state.is_specular, |_| F32::from(0.0), |_| environment_pdf(ray.dir));
+        let weight = state.is_specular.select(F32::from(1.0), power_heuristic(state.pdf_dir, by_light));
+        state.throughput.absorb(environment_radiance(ray.dir)) * weight
+    };
+    b.if_(settings().get(Settings::HAS_ENVIRONMENT), radiance, |_| black())
+}
+
+/// What a light sample adds if nothing is in between.
+fn direct(b: &mut Block, ray: Ray, hit: Hit, state: RayState, mat: Material, light: DirectLightSample) -> Color {
+    b.if_(
+        light.intensity.is_black() | light.pdf_dir.eq(0.0),
+        |_| black(),
+        |b| {
+            let f_cos = mat.bsdf.eval.call(b, (light.wi, -ray.dir)) * mat.normal.dot(light.wi).abs();
+            let by_bsdf = mat.bsdf.pdf.call(b, (light.wi, -ray.dir));
+            let weight = light.is_delta.select(F32::from(1.0), power_heuristic(light.pdf_dir, by_bsdf));
+            arriving(b, state, hit).absorb(f_cos).absorb(light.intensity) * (weight / light.pdf_dir)
+        },
+    )
+}
+
+/// Probability of going on: the largest channel of the throughput without the radiance scales of refraction, at most the
+/// cap; 1 before roulette begins.
+fn survival(b: &mut Block, scattering: U32, throughput: Color) -> F32 {
+    let roulette = |b: &mut Block| {
+        let s = settings();
+        let q = throughput.max_channel().min(s.get(Settings::RR_CAP));
+        let q = b.if_(scattering.ge(LONG_PATH), |_| q.min(1.0 - 4.0 / scattering.to_f32()), |_| q);
+        scattering.ge(s.get(Settings::RR_DEPTH)).select(q, 1.0.into())
+    };
+    b.if_(settings().get(Settings::ROULETTE), roulette, |_| F32::from(1.0))
+}
