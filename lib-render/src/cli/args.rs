@@ -15,6 +15,16 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Render a scene to an image
+    Render(RenderArgs),
+    /// Show what the renderer becomes for a scene, stage by stage
+    Dump(DumpArgs),
+    /// Measure loading, specialization and code generation
+    Time(TimeArgs),
+    /// Say what was specialised, what was not, and why
+    Explain(ExplainArgs),
+    /// Follow one path, step by step
+    Trace(TraceArgs),
     /// Measure how far images are from a reference
     Compare(CompareArgs),
 }

@@ -4,6 +4,10 @@
 //! one line to stderr and exits with code 1; a reader that closes the pipe early (`jerboa … | head`) is no failure.
 
 pub mod args;
+mod scene;
+mod render;
+mod inspect;
+mod trace;
 mod compare;
 
 use crate::host::error::Error;
@@ -32,6 +36,11 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(command: Command) -> Result<(), Error> {
     match command {
+        Command::Render(args) => print(&render::run(&args)?),
+        Command::Dump(args) => print(&inspect::dump(&args)?),
+        Command::Time(args) => print(&inspect::time(&args)?),
+        Command::Explain(args) => print(&inspect::explain(&args)?),
+        Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
     }
 }

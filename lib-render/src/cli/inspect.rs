@@ -1,0 +1,143 @@
+//! `jerboa dump`, `jerboa time`, `jerboa explain`: what the renderer became for a scene, how long that took, and why.
+
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg, TimeArgs};
+use super::scene::load;
+use crate::host::error::Error;
+use crate::host::generate::{Generated, Keep, TracerKind, generate, generic, residual};
+use crate::host::tables::{Choices, Tables};
+
+/// The text of a stage, one kernel after the other.
+pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
+    if args.stage == StageArg::Generic {
+        return Ok(jerboa_ir::print::print(generic().program()));
+    }
+    let (scene, _) = load(&args.scene)?;
+    let tables = Tables::new(&scene, &Choices::default(), args.known.into());
+    let mut text = String::new();
+    for kind in kernels(args.kernel.as_deref())? {
+        match args.stage {
+            StageArg::Residual => text += &jerboa_ir::print::print(&residual(&tables, kind, Keep::default())?.program),
+            _ => {
+                let g = generate(&tables, kind, Keep { dumps: true, log: false })?;
+                let dumped = if args.stage == StageArg::Clif { g.code.clif(g.kernel) } else { g.code.asm(g.kernel) };
+                text += dumped.expect("dumps were asked for");
+            }
+        }
+    }
+    Ok(text)
+}
+
+/// The evaluator's log of decisions.
+pub(super) fn explain(args: &ExplainArgs) -> Result<String, Error> {
+    let (scene, _) = load(&args.scene)?;
+    let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
+    let mut text = String::new();
+    for kind in kernels(args.kernel.as_deref())? {
+        let residual = residual(&tables, kind, Keep { log: true, dumps: false })?;
+        text += &format!("kernel {}\n{}{}", kind.kernel(), "", residual.report);
+    }
+    Ok(text)
+}
+
+/// Wall times of loading, tree, specialisation and code generation.
+pub(super) fn time(args: &TimeArgs) -> Result<String, Error> {
+    // What is built once for all scenes is not charged to this one.
+    generic();
+    let (scene, load_time) = load(&args.scene)?;
+    let start = std::time::Instant::now();
+    let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
+    let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
+    let kernels = TracerKind::ALL.iter().map(|k| generate(&tables, *k, Keep::default())).collect::<Result<Vec<_>, _>>()?;
+    let phases = Phases { load: load_time + tables_time, bvh: tables.bvh_time, kernels: &kernels };
+    Ok(if args.json { phases.json() } else { phases.text() })
+}
+
+/// The kernel of a name, or all.
+fn kernels(name: Option<&str>) -> Result<Vec<TracerKind>, Error> {
+    let Some(name) = name else { return Ok(TracerKind::ALL.to_vec()) };
+    let known = || TracerKind::ALL.map(TracerKind::kernel).join(", ");
+    let found = TracerKind::ALL.into_iter().find(|k| k.kernel() == name);
+    found.map(|k| vec![k]).ok_or_else(|| Error::new(format!("there is no kernel `{name}`; there are {}", known())))
+}
+
+struct Phases<'a> {
+    load: Duration,
+    bvh: Duration,
+    kernels: &'a [Generated],
+}
+
+fn ms(t: Duration) -> f64 {
+    t.as_secs_f64() * 1e3
+}
+
+impl Phases<'_> {
+    fn specialize(&self) -> Duration {
+        self.kernels.iter().map(|k| k.specialize_time).sum()
+    }
+
+    fn codegen(&self) -> Duration {
+        self.kernels.iter().map(|k| k.codegen_time).sum()
+    }
+
+    fn total(&self) -> Duration {
+        self.load + self.bvh + self.specialize() + self.codegen()
+    }
+
+    fn json(&self) -> String {
+        let kernel = |k: &Generated| {
+            json!({
+                "name": k.kernel,
+                "specialize_ms": ms(k.specialize_time),
+                "codegen_ms": ms(k.codegen_time),
+                "nodes_before": k.residual.report.nodes_before,
+                "nodes_after": k.residual.report.nodes_after,
+                "code_bytes": code_bytes(k),
+                "passes": k.residual.report.passes.iter().map(|p| json!({"name": p.name, "ms": ms(p.time)})).collect::<Vec<_>>(),
+            })
+        };
+        let object = json!({
+            "load_ms": ms(self.load),
+            "bvh_ms": ms(self.bvh),
+            "specialize_ms": ms(self.specialize()),
+            "codegen_ms": ms(self.codegen()),
+            "total_ms": ms(self.total()),
+            "kernels": self.kernels.iter().map(kernel).collect::<Vec<_>>(),
+        });
+        format!("{object}\n")
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!(
+            "load {:.1} ms, bvh {:.1} ms, specialize {:.1} ms, codegen {:.1} ms, total {:.1} ms\n",
+            ms(self.load),
+            ms(self.bvh),
+            ms(self.specialize()),
+            ms(self.codegen()),
+            ms(self.total())
+        );
+        for k in self.kernels {
+            let r = &k.residual.report;
+            text += &format!(
+                "{:<8} specialize {:>7.2} ms, codegen {:>7.2} ms, nodes {} -> {}, {} bytes of code\n",
+                k.kernel,
+                ms(k.specialize_time),
+                ms(k.codegen_time),
+                r.nodes_before,
+                r.nodes_after,
+                code_bytes(k)
+            );
+            for p in &r.passes {
+                text += &format!("           {:<12} {:>7.2} ms, {} changes\n", p.name, ms(p.time), p.changes);
+            }
+        }
+        text
+    }
+}
+
+fn code_bytes(k: &Generated) -> usize {
+    k.code.reports().map(|r| r.code_bytes).sum()
+}

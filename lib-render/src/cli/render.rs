@@ -1,0 +1,148 @@
+//! `jerboa render`: a scene to an image.
+
+use std::io::IsTerminal;
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::args::RenderArgs;
+use super::scene::{camera, choices, film_size, load, set_environment};
+use crate::host::error::Error;
+use crate::host::film::{Film, Window};
+use crate::host::generate::Keep;
+use crate::host::renderer::{Handle, Options, Render, Renderer, Stats};
+
+/// How often the progress bar and the time limit are looked at.
+const TICK: Duration = Duration::from_millis(20);
+
+/// Renders, writes the image and returns what to print.
+pub(super) fn run(args: &RenderArgs) -> Result<String, Error> {
+    let threads = args.threads.unwrap_or(0) as usize;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|e| Error::new(format!("cannot start the threads: {e}")))?.install(|| run_here(args))
+}
+
+fn run_here(args: &RenderArgs) -> Result<String, Error> {
+    let (mut scene, load_time) = load(&args.scene)?;
+    set_environment(&mut scene, args)?;
+    let camera = camera(&scene, args.camera.as_deref())?;
+    let size = film_size(&camera, args.width, args.height);
+    let window = window(args, size)?;
+
+    let options =
+        Options { known: args.known.into(), tracer: args.tracer.into(), choices: choices(args), keep: Keep::default() };
+    let renderer = Renderer::new(&scene, options)?;
+    let mut film = Film::new(window);
+    let job = Render { size, sample: 0, spp: args.spp, seed: args.seed };
+    let stats = with_progress(args, window, |handle| renderer.render_with(&camera, &mut film, job, handle))?;
+    film.mean().write(&args.output, args.exposure)?;
+    let report = Report { args, size, load_time, renderer: &renderer, stats, dropped: film.dropped() };
+    Ok(if args.json { report.json() } else { report.text() })
+}
+
+/// The pixels that are asked for.
+fn window(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Window, Error> {
+    let whole = Window { x: 0, y: 0, width, height };
+    let Some(crop) = args.crop else { return Ok(whole) };
+    let [x, y, width, height] = crop.0;
+    let window = Window { x, y, width, height };
+    if !whole.contains(&window) {
+        let message = format!("--crop {x},{y},{width},{height} reaches beyond the film of {}x{}", whole.width, whole.height);
+        return Err(Error::new(message));
+    }
+    Ok(window)
+}
+
+/// Run `render`, with a progress bar on a terminal and within the time limit.
+fn with_progress<T: Send>(args: &RenderArgs, window: Window, render: impl FnOnce(&Handle) -> T + Send) -> T {
+    let handle = Handle::default();
+    let total = window.area() as u64 * u64::from(args.spp);
+    let deadline = args.time_limit.map(|s| Instant::now() + Duration::from_secs_f32(s));
+    std::thread::scope(|scope| {
+        let (done, finished) = mpsc::channel::<()>();
+        let handle = &handle;
+        scope.spawn(move || {
+            let bar = std::io::stderr().is_terminal().then(|| progress_bar(total));
+            while finished.recv_timeout(TICK) == Err(mpsc::RecvTimeoutError::Timeout) {
+                if let Some(bar) = &bar {
+                    bar.set_position(handle.samples_done());
+                }
+                if deadline.is_some_and(|d| Instant::now() >= d) {
+                    handle.cancel();
+                }
+            }
+            if let Some(bar) = bar {
+                bar.finish_and_clear();
+            }
+        });
+        let result = render(handle);
+        drop(done);
+        result
+    })
+}
+
+fn progress_bar(total: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {percent}% {elapsed} (left {eta})");
+    ProgressBar::new(total).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// What a render tells.
+struct Report<'a> {
+    args: &'a RenderArgs,
+    size: [u32; 2],
+    load_time: Duration,
+    renderer: &'a Renderer,
+    stats: Stats,
+    dropped: u64,
+}
+
+impl Report<'_> {
+    /// Phases and their times, s.
+    fn phases(&self) -> [(&'static str, f64); 6] {
+        let generated = self.renderer.generated();
+        [
+            ("load", self.load_time),
+            ("tables", self.renderer.tables_time),
+            ("bvh", self.renderer.tables().bvh_time),
+            ("specialize", generated.specialize_time),
+            ("codegen", generated.codegen_time),
+            ("render", self.stats.time),
+        ]
+        .map(|(name, time)| (name, time.as_secs_f64()))
+    }
+
+    fn json(&self) -> String {
+        let seconds: serde_json::Map<_, _> = self.phases().iter().map(|(n, s)| (n.to_string(), (*s).into())).collect();
+        let object = serde_json::json!({
+            "output": self.args.output,
+            "width": self.size[0],
+            "height": self.size[1],
+            "spp": self.stats.spp,
+            "rays": { "closest": self.stats.closest_rays, "shadow": self.stats.shadow_rays },
+            "seconds": seconds,
+            "dropped_samples": self.dropped,
+        });
+        format!("{object}\n")
+    }
+
+    fn text(&self) -> String {
+        let rays = self.stats.closest_rays + self.stats.shadow_rays;
+        let seconds = self.stats.time.as_secs_f64();
+        let phases: Vec<String> = self.phases().iter().map(|(n, s)| format!("{n} {:.0} ms", s * 1e3)).collect();
+        let mut text = format!(
+            "{}: {}x{}, {} spp, {:.1} million rays, {:.2} million rays/s\n{}\n",
+            self.args.output.display(),
+            self.size[0],
+            self.size[1],
+            self.stats.spp,
+            rays as f64 / 1e6,
+            rays as f64 / 1e6 / seconds.max(f64::MIN_POSITIVE),
+            phases.join(", "),
+        );
+        if self.dropped > 0 {
+            text += &format!("{} samples were not finite and were dropped\n", self.dropped);
+        }
+        text
+    }
+}

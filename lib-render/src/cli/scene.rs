@@ -1,0 +1,94 @@
+//! What several subcommands share: scene, camera, renderer from the words of the command line.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use jerboa_scenes::{Camera, Scene};
+
+use super::args::{KnownArg, RenderArgs, ShadingNormalsArg, TracerArg};
+use crate::host::error::Error;
+use crate::host::generate::TracerKind;
+use crate::host::tables::{Choices, Known};
+
+impl From<KnownArg> for Known {
+    fn from(arg: KnownArg) -> Known {
+        match arg {
+            KnownArg::Nothing => Known::Nothing,
+            KnownArg::Structure => Known::Structure,
+            KnownArg::All => Known::All,
+        }
+    }
+}
+
+impl From<TracerArg> for TracerKind {
+    fn from(arg: TracerArg) -> TracerKind {
+        match arg {
+            TracerArg::Path => TracerKind::Path,
+            TracerArg::Normals => TracerKind::Normals,
+            TracerArg::Albedo => TracerKind::Albedo,
+            TracerArg::Depth => TracerKind::Depth,
+        }
+    }
+}
+
+/// Load a scene, say its warnings on stderr, and how long it took.
+pub fn load(path: &str) -> Result<(Scene, Duration), Error> {
+    let start = Instant::now();
+    let scene = Scene::load(path).map_err(|e| Error::new(e.to_string()))?;
+    let time = start.elapsed();
+    for warning in scene.all_warnings() {
+        eprintln!("jerboa: warning: {warning}");
+    }
+    Ok((scene, time))
+}
+
+/// Put the environment of the command line in place of the scene's, or change the scene's own.
+pub fn set_environment(scene: &mut Scene, args: &RenderArgs) -> Result<(), Error> {
+    let RenderArgs { env, env_rotation, env_strength, .. } = args;
+    if let Some(file) = env {
+        return scene
+            .set_environment(Path::new(file), env_strength.unwrap_or(1.0), env_rotation.unwrap_or(0.0))
+            .map_err(|e| Error::new(e.to_string()));
+    }
+    match &mut scene.environment {
+        Some(e) => {
+            e.intensity *= env_strength.unwrap_or(1.0);
+            e.rotation_deg += env_rotation.unwrap_or(0.0);
+            Ok(())
+        }
+        None if env_rotation.is_some() || env_strength.is_some() => {
+            Err(Error::new("the scene has no environment to turn or scale: name one by --env FILE"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The camera that is asked for, the first, or one that frames the scene.
+pub fn camera(scene: &Scene, name: Option<&str>) -> Result<Camera, Error> {
+    match name {
+        Some(name) => scene.camera_named(name).cloned().map_err(|e| Error::new(e.to_string())),
+        None => Ok(scene.camera_or_default()),
+    }
+}
+
+/// Film size: what is asked for; one side alone keeps the camera's aspect.
+pub fn film_size(camera: &Camera, width: Option<u32>, height: Option<u32>) -> [u32; 2] {
+    let (w, h) = camera.film_or_default();
+    let scaled = |side: u32, from: u32, to: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round().clamp(1.0, 65536.0) as u32;
+    match (width, height) {
+        (Some(width), Some(height)) => [width, height],
+        (Some(width), None) => [width, scaled(width, w, h)],
+        (None, Some(height)) => [scaled(height, h, w), height],
+        (None, None) => [w, h],
+    }
+}
+
+/// The choices that a kernel sees.
+pub fn choices(args: &RenderArgs) -> Choices {
+    Choices {
+        max_depth: args.max_depth,
+        rr_depth: Some(args.rr_depth),
+        rr_cap: args.rr_cap,
+        consistent_normals: args.shading_normals == ShadingNormalsArg::Consistent,
+    }
+}
