@@ -47,8 +47,10 @@ pub struct Material {
     pub base: Color,
     /// Absorption coefficient behind the surface, 1/m; black where there is no absorbing volume.
     pub absorption: Color,
+    /// Shading normal with the normal map applied, unit, world: the cosine that goes with f is to this normal.
+    pub normal: Vec3,
 }
-impl_staged!(Material { bsdf, emission, is_emissive, is_unlit, base, absorption });
+impl_staged!(Material { bsdf, emission, is_emissive, is_unlit, base, absorption, normal });
 
 /// Tint of the layer, or Phong's reflectance.
 const SPECULAR_COLOR: [Col<Materials, F32>; 3] = [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B];

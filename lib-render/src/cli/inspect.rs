@@ -38,7 +38,7 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<String, Error> {
     let mut text = String::new();
     for kind in kernels(args.kernel.as_deref())? {
         let residual = residual(&tables, kind, Keep { log: true, dumps: false })?;
-        text += &format!("kernel {}\n{}{}", kind.kernel(), "", residual.report);
+        text += &format!("kernel {}\n{}{}", kind.kernel(), residual.log, residual.report);
     }
     Ok(text)
 }

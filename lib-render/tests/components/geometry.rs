@@ -32,7 +32,7 @@ pub fn no_shader() -> Shader {
             is_specular: Bool::from(false),
         };
         let nothing = |_: &mut jerboa_ir::lang::Block, _| EmissionValue { intensity: black(), pdf_area: 0.0.into(), pdf_dir: 0.0.into() };
-        Material { bsdf, emission: Fun::lam(nothing), is_emissive: false.into(), is_unlit: false.into(), base: black(), absorption: black() }
+        Material { bsdf, emission: Fun::lam(nothing), is_emissive: false.into(), is_unlit: false.into(), base: black(), absorption: black(), normal: jerboa_lib_render::core::vec::vec3(0.0, 0.0, 1.0) }
     })
 }
 

@@ -1,0 +1,158 @@
+//! The long image tests, as a command: T13 on the matched scenes, and its red cases.
+//!
+//!     cargo run --release -p jerboa-tests --bin acceptance -- [SCENE…] [--seconds S] [--renders K] [--red CASE]
+//!
+//! Each scene is rendered K times (16), each with a seed of its own, at the samples per pixel that S seconds (10) buy
+//! (cornell-box: 64), and compared with its reference. With `--red CASE` the renders are spoiled on purpose, and the test
+//! must fail: `darker` (2 %), `shifted` (one pixel), `light` (one emitter dropped), `mask` (alpha ignored). Prints a row
+//! of a table for each scene; the exit code says whether all came out as they should.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use jerboa_lib_render::host::compare::compare;
+use jerboa_lib_render::host::film::{Film, Window};
+use jerboa_lib_render::host::image_io::Image;
+use jerboa_lib_render::host::renderer::{Options, Render, Renderer};
+use jerboa_lib_render::host::tables::Choices;
+use jerboa_scenes::{AlphaMode, Camera, Scene};
+
+/// The scenes of part 1 of the plan.
+const SCENES: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];
+
+/// A way to spoil a render.
+#[derive(Clone, Copy, PartialEq)]
+enum Red {
+    Darker,
+    Shifted,
+    Light,
+    Mask,
+}
+
+struct Args {
+    scenes: Vec<String>,
+    seconds: f64,
+    renders: u32,
+    red: Option<Red>,
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("acceptance: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<bool, String> {
+    let args = parse()?;
+    println!("| scene | spp | renders | rms z | blocks beyond 1 % | max z | mean error, sigmas | verdict |");
+    println!("|---|---|---|---|---|---|---|---|");
+    let mut as_expected = true;
+    for scene in &args.scenes {
+        as_expected &= t13(scene, &args)? != args.red.is_some();
+    }
+    Ok(as_expected)
+}
+
+fn parse() -> Result<Args, String> {
+    let mut args = Args { scenes: Vec::new(), seconds: 10.0, renders: 16, red: None };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "--seconds" => args.seconds = value()?.parse().map_err(|_| "--seconds takes a number")?,
+            "--renders" => args.renders = value()?.parse().map_err(|_| "--renders takes a whole number")?,
+            "--red" => {
+                args.red = Some(match value()?.as_str() {
+                    "darker" => Red::Darker,
+                    "shifted" => Red::Shifted,
+                    "light" => Red::Light,
+                    "mask" => Red::Mask,
+                    other => return Err(format!("--red {other}: darker, shifted, light or mask")),
+                });
+            }
+            scene => args.scenes.push(scene.into()),
+        }
+    }
+    if args.scenes.is_empty() {
+        args.scenes = SCENES.map(Into::into).to_vec();
+    }
+    Ok(args)
+}
+
+/// The folder of shared scenes: `JERBOA_SHARED`, or `shared` beside the checkout.
+fn shared() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    std::env::var_os("JERBOA_SHARED").map_or(beside, PathBuf::from).join("scenes")
+}
+
+/// Run T13 on a scene; does it pass?
+fn t13(name: &str, args: &Args) -> Result<bool, String> {
+    let folder = shared().join(name);
+    let file = |suffix: &str| folder.join(format!("{name}.{suffix}"));
+    let image = |suffix: &str| Image::read(&file(suffix)).map_err(|e| e.to_string());
+    let (reference, variance) = (image("ref.exr")?, image("ref-var.exr")?);
+    let mut scene = Scene::load(file("matched.glb")).map_err(|e| e.to_string())?;
+    spoil_scene(&mut scene, args.red);
+    let camera = scene.camera_or_default();
+    let choices = Choices { max_depth: Some(16), consistent_normals: false, ..Choices::default() };
+    let renderer = Renderer::new(&scene, Options { choices, ..Options::default() }).map_err(|e| e.to_string())?;
+
+    let size = [reference.width, reference.height];
+    let spp = if name == "cornell-box" { 64 } else { affordable(&renderer, &camera, size, args.seconds)? };
+    let renders: Vec<Image> =
+        (0..args.renders).map(|seed| render(&renderer, &camera, size, spp, seed + 1)).collect::<Result<_, _>>()?;
+    let renders: Vec<Image> = renders.into_iter().map(|image| spoil_image(image, args.red)).collect();
+    let c = compare(&renders, &reference, Some(&variance)).map_err(|e| e.to_string())?;
+    let t = c.t13.ok_or("T13 needs at least 16 renders")?;
+    println!(
+        "| {name} | {spp} | {} | {:.3} | {:.2} % | {:.2} | {:+.2} | {} |",
+        renders.len(),
+        t.rms_z,
+        t.blocks_beyond * 100.0,
+        t.max_z,
+        t.mean_sigmas,
+        if t.pass { "pass" } else { "FAIL" }
+    );
+    Ok(t.pass)
+}
+
+/// Samples per pixel that so many seconds buy, after a warm-up.
+fn affordable(renderer: &Renderer, camera: &Camera, size: [u32; 2], seconds: f64) -> Result<u32, String> {
+    render(renderer, camera, size, 2, 0)?;
+    let start = Instant::now();
+    render(renderer, camera, size, 4, 0)?;
+    Ok((seconds / (start.elapsed().as_secs_f64() / 4.0)).max(1.0) as u32)
+}
+
+fn render(renderer: &Renderer, camera: &Camera, size: [u32; 2], spp: u32, seed: u32) -> Result<Image, String> {
+    let mut film = Film::new(Window { x: 0, y: 0, width: size[0], height: size[1] });
+    renderer.render(camera, &mut film, Render { size, sample: 0, spp, seed }).map_err(|e| e.to_string())?;
+    Ok(film.mean())
+}
+
+fn spoil_scene(scene: &mut Scene, red: Option<Red>) {
+    match red {
+        Some(Red::Light) => {
+            if let Some(emitter) = scene.materials.iter_mut().find(|m| m.is_emissive()) {
+                emitter.emissive = [0.0; 3];
+            }
+        }
+        Some(Red::Mask) => scene.materials.iter_mut().for_each(|m| m.alpha_mode = AlphaMode::Opaque),
+        _ => {}
+    }
+}
+
+fn spoil_image(image: Image, red: Option<Red>) -> Image {
+    let at = |x: u32, y: u32| image.pixels[(y * image.width + x) as usize];
+    match red {
+        Some(Red::Darker) => Image::from_fn(image.width, image.height, |x, y| at(x, y).map(|c| c * 0.98)),
+        Some(Red::Shifted) => Image::from_fn(image.width, image.height, |x, y| at(x.saturating_sub(1), y)),
+        _ => image,
+    }
+}
