@@ -1,10 +1,11 @@
 //! Scattering: values, energy, reciprocity, and that `sample`, `pdf` and `eval` are one model (T5 to T8, T12, N25).
+//! `JERBOA_PAIRS=N` asks each material N times instead of 1,500 in T6 and N25.
 
 use std::f64::consts::{PI, TAU};
 
 use jerboa_lib_render::schema::Materials;
 
-use crate::bench::Random;
+use crate::bench::{Random, number};
 use crate::probe::{Probe, V, at_cos, dot, normalize, random_direction};
 
 /// A material by name.
@@ -105,7 +106,7 @@ fn sample_pdf_and_eval_are_one_model() {
         make(&mut probe);
         for consistent in [false, true] {
             probe.consistent(consistent);
-            for key in 0..1500 {
+            for key in 0..number("JERBOA_PAIRS", 1500) as u32 {
                 probe.normal = random_direction(&mut random);
                 probe.face = if key % 2 == 0 { probe.normal } else { near(&mut random, probe.normal) };
                 let wo = random_direction(&mut random);
@@ -153,7 +154,7 @@ fn consistent_normals_do_not_leak() {
         make(&mut probe);
         let passes = ["glass", "thin", "medley"].iter().any(|p| name.starts_with(p));
         probe.consistent(true);
-        for key in 0..2000 {
+        for key in 0..number("JERBOA_PAIRS", 1500) as u32 {
             probe.normal = random_direction(&mut random);
             probe.face = near(&mut random, probe.normal);
             let (wo, wi) = (random_direction(&mut random), random_direction(&mut random));
