@@ -5,6 +5,7 @@ mod bench;
 mod bsdf;
 mod geometry;
 mod lights;
+mod materials;
 mod spawn;
 mod probe;
 mod residual;

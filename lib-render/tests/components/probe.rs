@@ -57,10 +57,11 @@ pub struct Probe {
     pub normal: V,
 }
 
-pub fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3) -> Material {
+/// A surface at the origin with these normals, not a light.
+pub fn surface(face_normal: Vec3, normal: Vec3) -> SurfaceElement {
     let zero = || F32::from(0.0);
     let nowhere = Vec3 { x: zero(), y: zero(), z: zero() };
-    let surf = SurfaceElement {
+    SurfaceElement {
         point: nowhere,
         error: nowhere,
         face_normal,
@@ -68,9 +69,15 @@ pub fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3)
         uv: [Vec2 { x: zero(), y: zero() }; 2],
         primitive: 0.into(),
         light: NONE.into(),
-    };
-    let ray = Ray { org: nowhere, dir: nowhere, tmax: zero(), skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() };
-    make_shader(Row::<Materials>::at(0u32)).call(b, (ray, Hit::miss(zero()), surf))
+    }
+}
+
+/// Material 0 on it.
+pub fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3) -> Material {
+    let surf = surface(face_normal, normal);
+    let (nowhere, end) = (surf.point, F32::from(0.0));
+    let ray = Ray { org: nowhere, dir: nowhere, tmax: end, skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() };
+    make_shader(Row::<Materials>::at(0u32)).call(b, (ray, Hit::miss(end), surf))
 }
 
 impl Probe {
