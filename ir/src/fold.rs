@@ -17,11 +17,14 @@ pub(crate) enum Folded {
 
 /// Fold an operation over scalars, or say that it stays.
 pub(crate) fn fold(w: &World, op: Op, args: &[NodeId]) -> Option<Folded> {
-    let lits: Vec<Option<Lit>> = args.iter().map(|a| w.program().as_lit(*a)).collect();
-    if let Some(lits) = lits.iter().copied().collect::<Option<Vec<Lit>>>() {
+    let mut lits = [None; 3];
+    lits.iter_mut().zip(args).for_each(|(lit, a)| *lit = w.program().as_lit(*a));
+    let lits = &lits[..args.len()];
+    if lits.iter().all(Option::is_some) {
+        let lits: Vec<Lit> = lits.iter().copied().flatten().collect();
         return Some(Folded::Lit(op.eval(&lits)));
     }
-    identity(w, op, args, &lits)
+    identity(w, op, args, lits)
 }
 
 /// Identities of one known or two equal operands.

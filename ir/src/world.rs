@@ -16,8 +16,10 @@ use crate::ty::{Ty, TyKind};
 #[derive(Default)]
 pub struct World {
     program: Program,
-    /// Nodes by the hash of their content; collisions are resolved by comparison.
-    interner: FxHashMap<u64, Vec<NodeId>>,
+    /// The latest node of each hash of content.
+    latest: FxHashMap<u64, NodeId>,
+    /// For each node, the one before it with the same hash; collisions are resolved by comparison.
+    before: Vec<NodeId>,
 }
 
 impl World {
@@ -40,12 +42,16 @@ impl World {
     pub fn node(&mut self, node: Node, ty: Ty, loc: Loc) -> NodeId {
         let mut hasher = FxHasher::default();
         node.hash(&mut hasher);
-        let bucket = self.interner.entry(hasher.finish()).or_default();
-        if let Some(known) = bucket.iter().find(|n| self.program.nodes[n.index()] == node) {
-            return *known;
-        }
         let id = NodeId(self.program.nodes.len() as u32);
-        bucket.push(id);
+        let latest = self.latest.entry(hasher.finish()).or_insert(NodeId::NONE);
+        let mut known = *latest;
+        while known != NodeId::NONE {
+            if self.program.nodes[known.index()] == node {
+                return known;
+            }
+            known = self.before[known.index()];
+        }
+        self.before.push(std::mem::replace(latest, id));
         self.program.nodes.push(node);
         self.program.types.push(ty);
         self.program.locs.push(loc);
@@ -63,8 +69,9 @@ impl World {
     /// When the operands do not fit the operation's rule.
     #[track_caller]
     pub fn prim(&mut self, op: Op, args: &[NodeId], loc: Loc) -> NodeId {
-        let types: Vec<Ty> = args.iter().map(|a| self.program.ty(*a)).collect();
-        let ty = op.result(&types).unwrap_or_else(|why| panic!("{loc}: {why}"));
+        let mut types = [Ty::bool(); 3];
+        types.iter_mut().zip(args).for_each(|(ty, a)| *ty = self.program.ty(*a));
+        let ty = op.result(&types[..args.len()]).unwrap_or_else(|why| panic!("{loc}: {why}"));
         if let Some((_, lanes)) = types[0].lanes()
             && lanes > 1
             && let Some(folded) = self.fold_lanes(op, args, lanes, loc)
