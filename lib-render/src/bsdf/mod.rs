@@ -17,7 +17,8 @@ use crate::core::color::{Color, black};
 use crate::core::rng::Rng;
 use crate::core::vec::Vec3;
 
-/// (wi, wo) → f, per steradian, without the cosine. Both unit, world frame, pointing away from the surface; `wi` towards
+/// (wi, wo) → f, per steradian, without the cosine: that of wi and the material's shading normal, after the normal map,
+/// whatever normal the model used inside. Both unit, world frame, pointing away from the surface; `wi` towards
 /// the light, `wo` towards the viewer. Perfectly specular parts give 0.
 pub type EvalFn = Fun<(Vec3, Vec3), Color>;
 
