@@ -31,6 +31,8 @@ pub struct Scope {
     pub free: Vec<Box<[NodeId]>>,
     /// What is out of scope, in words: a value used where it is not made. If there are entries, only what they reach.
     pub faults: Vec<(ContId, String)>,
+    /// Preorder numbers of the nesting tree: of a continuation, and one past the last inside it.
+    span: Vec<(u32, u32)>,
 }
 
 impl Scope {
@@ -57,14 +59,34 @@ impl Scope {
 
     /// Is `outer` the continuation itself or around it?
     pub fn encloses(&self, outer: ContId, inner: ContId) -> bool {
-        let mut at = Some(inner);
-        while let Some(c) = at {
-            if c == outer {
-                return true;
+        let (from, to) = self.span[outer.index()];
+        (from..to).contains(&self.span[inner.index()].0)
+    }
+
+    /// Number the nesting tree in preorder.
+    fn number(&mut self) {
+        let n = self.parent.len();
+        let mut by_level: Vec<usize> = (0..n).collect();
+        by_level.sort_by_key(|c| self.level[*c]);
+        let mut size = vec![1u32; n];
+        for c in by_level.iter().rev() {
+            if let Some(up) = self.parent[*c] {
+                size[up.index()] += size[*c];
             }
-            at = self.parent[c.index()];
         }
-        false
+        // The next free number at the top, and inside each continuation.
+        let (mut top, mut inside) = (0, vec![0; n]);
+        self.span = vec![(0, 0); n];
+        for c in by_level {
+            let next = match self.parent[c] {
+                Some(up) => &mut inside[up.index()],
+                None => &mut top,
+            };
+            let from = *next;
+            *next += size[c];
+            inside[c] = from + 1;
+            self.span[c] = (from, from + size[c]);
+        }
     }
 
     /// The deeper of two owners.
@@ -110,6 +132,7 @@ impl Scope {
                 stack.pop();
             }
         }
+        self.number();
         for c in 0..n {
             let stray = self.free[c].iter().map(owner).find(|o| !self.encloses(*o, ContId(c as u32)));
             if let Some(o) = stray {

@@ -19,7 +19,7 @@ use super::draft::{Draft, Subst};
 const ROUNDS: usize = 8;
 const CANDIDATES: usize = 4;
 /// Nodes that all comparisons may look at together, for each node of the program.
-const STEPS: usize = 16;
+const STEPS: usize = 4;
 
 pub(crate) fn run(draft: &mut Draft) -> u64 {
     let order = draft.order();
