@@ -8,7 +8,9 @@
 //! Law 4 is kept: no function value depends on an unknown. What has to stay in one residual function is marked as
 //! *tied* (`Value::tied`) and is not shown to functions that may stay calls.
 
+mod control;
 mod exprs;
+mod functions;
 mod stmts;
 
 use jerboa_ir::interp::Memory;

@@ -24,7 +24,7 @@ const LIMITS: Limits = Limits { fuel: 100_000, cells: 1 << 20 };
 pub struct Tally {
     /// Runs of generic programs.
     pub runs: u64,
-    /// Runs that reached a limit, or whose program reached a budget of the evaluator.
+    /// Runs that reached a limit, or whose program the evaluator did not finish.
     pub unfinished: u64,
     /// Operations that the interpreter has executed in generic programs.
     pub interpreted: BTreeSet<Op>,
@@ -118,11 +118,12 @@ impl<'c> Trial<'c> {
         })
     }
 
-    /// The residual; none if the evaluator's budget does not suffice.
+    /// The residual; none if the evaluator's budget does not suffice, or if it refuses the program by Law 4: what follows
+    /// a call is evaluated once per return, and then a function made there is two, which may meet at a join further on.
     fn specialize(&self, generic: &Generic, options: Options) -> Result<Option<Program>, String> {
         match specialize(generic, "main", &self.split.known, &self.facts, &options) {
             Ok(residual) => Ok(Some(residual.program)),
-            Err(Error::Budget { .. } | Error::TooLarge { .. }) => Ok(None),
+            Err(Error::Budget { .. } | Error::TooLarge { .. } | Error::ClosuresMeet { .. }) => Ok(None),
             Err(e) => Err(format!("evaluator, {options:?}, knowing {:?}: {e}", self.split.known)),
         }
     }
