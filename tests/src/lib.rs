@@ -24,3 +24,8 @@ pub mod refold;
 pub mod trial;
 pub mod values;
 pub mod sources;
+
+/// The examples of the page at the root.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+mod readme {}
