@@ -2,7 +2,7 @@
 //!
 //! The law they serve is Law 3: the interpreter, the residual in the interpreter and the machine code give the same
 //! bits. `tests/conformance.rs` checks each operation on every engine over all special values (accuracy list, T2);
-//! `tests/random.rs` checks random programs (T1, T23). The checkout's own text is in [`sources`], for the tests of its habits.
+//! `tests/random.rs` checks random programs (T1, T23), and `tests/divergence.rs` that specialisation ends (T23). The checkout's own text is in [`sources`], for the tests of its habits.
 //!
 //! ```
 //! use jerboa_ir::interp::{Limits, run};
