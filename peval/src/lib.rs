@@ -61,10 +61,12 @@
 //!
 //! # What is where
 //! `value`, `frame`: values and environments · `eval`: pure nodes · `machine`: bodies · `call`: decisions and blocks ·
-//! `lift`: functions · `facts`: what is known of tables · `budget`, `error`, `log`, `report` · `tidy`: the passes.
+//! `lift`: functions · `copies`: what must not meet or grow · `emit`: writing blocks · `facts`: what is known of tables · `budget`, `error`, `log`, `report` · `tidy`: the passes.
 
 mod budget;
 mod call;
+mod copies;
+mod emit;
 mod error;
 mod eval;
 mod facts;

@@ -60,7 +60,7 @@ pub(crate) struct Machine<'a> {
     /// Residual functions by continuation, content of the environment and known arguments.
     pub(crate) functions: FxHashMap<Box<[u32]>, ContId>,
     /// Copies that stay, by continuation and environment.
-    pub(crate) copies: FxHashMap<(ContId, FrameId), Vec<crate::call::Copy>>,
+    pub(crate) copies: FxHashMap<(ContId, FrameId), Vec<crate::copies::Copy>>,
     /// The block in which each residual continuation was made.
     pub(crate) made_in: Vec<ContId>,
     /// How often each generic continuation was unfolded.
@@ -78,7 +78,7 @@ impl<'a> Machine<'a> {
     pub fn new(p: &'a Program, scope: &'a Scope, facts: &'a Facts, options: &'a Options) -> Machine<'a> {
         let mut world = World::new();
         for buffer in &p.buffers {
-            world.buffer(residual_buffer(buffer));
+            world.buffer(crate::emit::residual_buffer(buffer));
         }
         Machine {
             p,
@@ -214,56 +214,9 @@ impl<'a> Machine<'a> {
         self.leave(Body::Switch { index: of_class, arms, default }, loc)
     }
 
-    /// A new block that waits, for an arm called with `args`.
-    fn arm(&mut self, arm: NodeId, f: FrameId, args: Vec<Value>) -> NodeId {
-        let callee = self.eval(arm, f);
-        let (block, node) = self.block(callee, Role::Arm, vec![], self.p.locs[arm.index()]);
-        self.wait(block, self.function, Step::Call(callee, args, Mode::Filter));
-        node
-    }
-
-    /// A new block with one parameter, for the continuation of a load or a local array.
-    fn rest(&mut self, next: Value, ty: Ty, loc: Loc) -> ((ContId, NodeId), Value) {
-        let name = match next {
-            Value::Closure(c, _) => self.p.cont(c).params[0].name.clone(),
-            _ => None,
-        };
-        let stored = if let TyKind::Row(_) = ty.kind() { Ty::u32() } else { ty };
-        let rest = self.block(next, Role::Rest, vec![Param { ty: stored, name, keep: false }], loc);
-        let node = self.world.param(rest.0, 0);
-        let value = match ty.kind() {
-            TyKind::Local(..) => Value::Local(node),
-            TyKind::Row(table) => self.row(*table, None, node),
-            _ => Value::Data(node),
-        };
-        (rest, value)
-    }
-
-    /// A new residual continuation, named after what it calls; it is made in the current block.
-    pub(crate) fn block(&mut self, like: Value, role: Role, params: Vec<Param>, loc: Loc) -> (ContId, NodeId) {
-        let name = match like {
-            Value::Closure(c, _) => {
-                self.residuals[c.index()] += 1;
-                self.p.cont(c).name.clone()
-            }
-            _ => "return".into(),
-        };
-        let block = self.world.cont(name, role, params, loc);
-        let stays = self.world.lit(Lit::Bool(false));
-        self.world.cont_mut(block).filter = stays;
-        self.made_in.push(self.at);
-        (block, self.world.cont_value(block))
-    }
-
     /// Let a block wait for its body.
     pub(crate) fn wait(&mut self, at: ContId, function: ContId, step: Step) {
         self.work.push(Task { at, function, trail: self.trail, step });
-    }
-
-    /// Close the current block.
-    pub(crate) fn leave(&mut self, body: Body, loc: Loc) -> Step {
-        self.world.set_body(self.at, body, loc);
-        Step::Done
     }
 
     fn mem(&mut self, mem: Mem, f: FrameId) -> Mem {
@@ -312,15 +265,4 @@ impl<'a> Machine<'a> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         (z ^ (z >> 31)).is_multiple_of(8)
     }
-}
-
-/// The declaration of a buffer in the residual: there, a reference is a plain index.
-fn residual_buffer(buffer: &Buffer) -> Buffer {
-    let mut buffer = buffer.clone();
-    for column in &mut buffer.columns {
-        if let ColTy::Ref(_) = column.ty {
-            column.ty = ColTy::Scalar(Scalar::U32);
-        }
-    }
-    buffer
 }

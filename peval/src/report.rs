@@ -21,7 +21,7 @@ pub struct Pass {
 pub struct Report {
     /// Passes in order: evaluation, then tidying.
     pub passes: Vec<Pass>,
-    /// Nodes of the generic program that the entry can reach are not counted: all of its nodes.
+    /// Nodes of the generic program, whatever the entry reaches of it.
     pub generic_nodes: usize,
     /// Nodes that evaluation left, before tidying.
     pub nodes_before: usize,
