@@ -1,6 +1,6 @@
 //! Lights against closed forms, and their densities against themselves.
 
-use jerboa_ir::lang::{Fun, Row, entry};
+use jerboa_ir::lang::{F32, Fun, Row, entry};
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::Vec3;
 use jerboa_lib_render::host::distribution::{Distribution1D, Distribution2D};
@@ -8,6 +8,7 @@ use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::light::area::{make_quad_light, make_triangle_light};
 use jerboa_lib_render::light::environment::{environment_pdf, environment_radiance, make_environment_light};
 use jerboa_lib_render::light::{sample_light, spot::make_spot_light};
+use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::*;
 
 use crate::bench::{Bench, Random};
@@ -17,6 +18,7 @@ fn bench(lights: usize) -> Bench {
     let mut bench = Bench::new(|| {
         entry("sample", Fun::lam(|b, (rng, point): (Rng, Vec3)| sample_light(b, rng, point)));
         entry("environment", Fun::lam(|_, dir: Vec3| (environment_radiance(dir), environment_pdf(dir))));
+        entry("mis", Fun::lam(|_, (own, other): (F32, F32)| power_heuristic(own, other)));
         let row = Row::<Lights>::at(0u32);
         let emission = |name, light: jerboa_lib_render::light::Light| entry(name, light.sample_emission);
         emission("emit_triangle", make_triangle_light(row));
@@ -272,4 +274,17 @@ fn the_rays_that_leave_a_light_carry_its_flux() {
     set_environment(&mut bench, &Image::from_fn(8, 4, |_, _| [1.0; 3]));
     bench.set(Lights::SCENE_RADIUS, 0, 3.0_f32);
     close(flux(&mut bench, &mut random, "emit_environment"), 2.0 * 4.0 * PI * PI * 9.0, "environment");
+}
+
+#[test]
+fn the_power_heuristic_is_a_weight_for_all_densities() {
+    let mut bench = bench(1);
+    let mut weight = |own: f32, other: f32| f32::from_bits(bench.run_both("mis", &[own, other].map(f32::to_bits))[0]);
+    let all = [0.0, 1e-45, 1e-30, 1e-19, 0.5, 1.0, 2.0, 1e20, f32::MAX, f32::INFINITY];
+    for (a, b) in all.iter().flat_map(|a| all.map(|b| (*a, b))) {
+        let (x, y) = (weight(a, b), weight(b, a));
+        let expected = if a > 0.0 || b > 0.0 { 1.0 } else { 0.0 };
+        assert!((x + y - expected).abs() < 1e-6 && (0.0..=1.0).contains(&x), "{a} and {b}: {x} + {y}");
+    }
+    assert_eq!(weight(1.0, 2.0), 0.2);
 }
