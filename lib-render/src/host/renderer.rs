@@ -89,7 +89,8 @@ pub struct Stats {
 /// than starting it.
 const TILE: u32 = 16;
 
-/// Samples of a pixel in one pass over a tile.
+/// Most samples of a pixel in one pass over a tile. The first passes are shorter, so that a render that is ended early has
+/// a sample everywhere.
 const SAMPLES_PER_PASS: u32 = 16;
 
 impl Renderer {
@@ -127,7 +128,7 @@ impl Renderer {
         let tiles = tiles(film.window());
         let mut first = 0;
         while first < job.spp && !handle.is_cancelled() {
-            let samples = SAMPLES_PER_PASS.min(job.spp - first);
+            let samples = first.clamp(1, SAMPLES_PER_PASS).min(job.spp - first);
             let passes: Vec<Option<TileResult>> = tiles
                 .par_iter()
                 .map(|window| {
