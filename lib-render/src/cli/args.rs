@@ -3,9 +3,9 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
-/// A path tracer that specialises itself for the scene it is given.
+/// A path tracer that specialises itself for the scene it is given. Of a word given twice, the last counts.
 #[derive(Debug, Parser)]
-#[command(name = "jerboa", version)]
+#[command(name = "jerboa", version, args_override_self = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -204,7 +204,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
     pub env_rotation: Option<f32>,
     /// Multiply the environment's radiance
-    #[arg(long, value_name = "X", value_parser = finite_not_negative)]
+    #[arg(long, value_name = "X", value_parser = finite_not_negative, allow_negative_numbers = true)]
     pub env_strength: Option<f32>,
     /// Russian roulette may end a path from its N-th scattering on
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]

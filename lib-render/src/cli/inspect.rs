@@ -10,15 +10,17 @@ use crate::host::error::Error;
 use crate::host::generate::{Generated, Keep, TracerKind, generate, generic, residual};
 use crate::host::tables::{Choices, Tables};
 
-/// The text of a stage, one kernel after the other.
+/// The text of a stage, one kernel after the other. The generic program and the residual of one kernel read back.
 pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
+    let kernels = kernels(args.kernel.as_deref())?;
+    let (scene, _) = load(&args.scene)?;
+    // The generic program is one for all kernels and scenes.
     if args.stage == StageArg::Generic {
         return Ok(jerboa_ir::print::print(generic().program()));
     }
-    let (scene, _) = load(&args.scene)?;
     let tables = Tables::new(&scene, &Choices::default(), args.known.into());
     let mut text = String::new();
-    for kind in kernels(args.kernel.as_deref())? {
+    for kind in kernels {
         match args.stage {
             StageArg::Residual => text += &jerboa_ir::print::print(&residual(&tables, kind, Keep::default())?.program),
             _ => {
@@ -33,10 +35,11 @@ pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
 
 /// The evaluator's log of decisions.
 pub(super) fn explain(args: &ExplainArgs) -> Result<String, Error> {
+    let kernels = kernels(args.kernel.as_deref())?;
     let (scene, _) = load(&args.scene)?;
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
     let mut text = String::new();
-    for kind in kernels(args.kernel.as_deref())? {
+    for kind in kernels {
         let residual = residual(&tables, kind, Keep { log: true, dumps: false })?;
         text += &format!("kernel {}\n{}{}", kind.kernel(), residual.log, residual.report);
     }

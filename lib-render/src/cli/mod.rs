@@ -61,6 +61,9 @@ fn print(text: &str) -> Result<(), Error> {
 
 /// The first paragraph of a usage error, which says what is wrong, on one line.
 fn one_line(usage: &clap::Error) -> Error {
+    if usage.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return Error::new("a command is missing: `jerboa render` makes a first picture (jerboa --help lists the words)");
+    }
     let text = usage.render().to_string();
     let paragraph = text
         .lines()
@@ -89,6 +92,7 @@ mod tests {
             "unexpected argument '--frob' found (jerboa --help lists the words)"
         );
         assert!(usage_error("jerboa compare a.exr").contains("A"));
+        assert!(usage_error("jerboa").starts_with("a command is missing"));
         for words in [
             "jerboa compare",
             "jerboa frob",

@@ -11,10 +11,14 @@ use super::scene::{camera, choices, film_size, load, set_environment};
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
 use crate::host::generate::Keep;
+use crate::host::image_io::Image;
 use crate::host::renderer::{Handle, Options, Render, Renderer, Stats};
 
 /// How often the progress bar and the time limit are looked at.
 const TICK: Duration = Duration::from_millis(20);
+
+/// Most pixels of a film: 2^26, whose sums and a pass over them take 8 GiB.
+const MOST_PIXELS: usize = 1 << 26;
 
 /// Renders, writes the image and returns what to print.
 pub(super) fn run(args: &RenderArgs) -> Result<String, Error> {
@@ -24,6 +28,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<String, Error> {
 }
 
 fn run_here(args: &RenderArgs) -> Result<String, Error> {
+    Image::check_target(&args.output)?;
     let (mut scene, load_time) = load(&args.scene)?;
     set_environment(&mut scene, args)?;
     let camera = camera(&scene, args.camera.as_deref())?;
@@ -44,11 +49,21 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
 /// The pixels that are asked for.
 fn window(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Window, Error> {
     let whole = Window { x: 0, y: 0, width, height };
-    let Some(crop) = args.crop else { return Ok(whole) };
+    let Some(crop) = args.crop else { return within_memory(whole) };
     let [x, y, width, height] = crop.0;
     let window = Window { x, y, width, height };
     if !whole.contains(&window) {
         let message = format!("--crop {x},{y},{width},{height} reaches beyond the film of {}x{}", whole.width, whole.height);
+        return Err(Error::new(message));
+    }
+    within_memory(window)
+}
+
+/// Refuse a film that would not fit into memory: that would end the process without a word.
+fn within_memory(window: Window) -> Result<Window, Error> {
+    if window.area() > MOST_PIXELS {
+        let Window { width, height, .. } = window;
+        let message = format!("a film of {width}x{height} is too large, at most {MOST_PIXELS} pixels: render parts by --crop");
         return Err(Error::new(message));
     }
     Ok(window)

@@ -70,17 +70,8 @@ impl Image {
 
     /// Writes an `.exr` (linear) or a `.png` (tone-mapped with `exposure` in stops), chosen by the extension.
     pub fn write(&self, path: &Path, exposure: f32) -> Result<(), Error> {
-        let format = Format::of(path)?;
-        let encoded = match format {
-            Format::Exr => self.to_linear(),
-            Format::Png => self.to_display(exposure),
-            Format::Hdr => {
-                let path = path.display();
-                return Err(Error::new(format!(
-                    "cannot write {path}: write .exr (linear) or .png (tone-mapped)"
-                )));
-            }
-        };
+        let format = Format::writable(path)?;
+        let encoded = if format == Format::Exr { self.to_linear() } else { self.to_display(exposure) };
         write_atomic(path, |file| {
             let mut file = BufWriter::new(file);
             encoded
@@ -88,6 +79,19 @@ impl Image {
                 .map_err(std::io::Error::other)?;
             file.flush()
         })
+    }
+
+    /// Can an image be written there? Asked before a long render, not after it.
+    ///
+    /// # Errors
+    /// The extension is not .exr or .png, the folder does not exist, or something that is no file has this name.
+    pub fn check_target(path: &Path) -> Result<(), Error> {
+        Format::writable(path)?;
+        let fault = |why: &str| Err(Error::new(format!("cannot write {}: {why}", path.display())));
+        if path.exists() && !path.is_file() {
+            return fault("it is not a regular file");
+        }
+        if !folder_of(path).is_dir() { fault("there is no such folder") } else { Ok(()) }
     }
 
     fn to_linear(&self) -> DynamicImage {
@@ -130,6 +134,17 @@ impl Format {
         }
     }
 
+    /// The format of a file to write: EXR or PNG.
+    fn writable(path: &Path) -> Result<Format, Error> {
+        match Format::of(path) {
+            Ok(format @ (Format::Exr | Format::Png)) => Ok(format),
+            _ => {
+                let path = path.display();
+                Err(Error::new(format!("cannot write {path}: its name must end in .exr (linear) or .png (tone-mapped)")))
+            }
+        }
+    }
+
     fn codec(self) -> image::ImageFormat {
         match self {
             Format::Exr => image::ImageFormat::OpenExr,
@@ -137,6 +152,11 @@ impl Format {
             Format::Png => image::ImageFormat::Png,
         }
     }
+}
+
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Lets `fill` write a new file and puts it at `path`, whole or not at all.
@@ -147,10 +167,7 @@ pub fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut std::fs::File) -> std::io::Result<()>,
 ) -> Result<(), Error> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(".jerboa-");
     // A temporary file is private by default; an image is as readable as any new file (the umask still applies).
@@ -268,22 +285,14 @@ mod tests {
     #[test]
     fn an_unknown_extension_is_named() {
         for name in ["a.bmp", "noextension"] {
-            let error = picture()
-                .write(Path::new(name), 0.0)
-                .unwrap_err()
-                .to_string();
-            assert_eq!(
-                error,
-                format!("{name}: the image's name must end in .exr, .hdr or .png")
-            );
+            let error = Image::read(Path::new(name)).unwrap_err().to_string();
+            assert_eq!(error, format!("{name}: the image's name must end in .exr, .hdr or .png"));
         }
-        assert!(
-            picture()
-                .write(Path::new("a.hdr"), 0.0)
-                .unwrap_err()
-                .to_string()
-                .contains(".exr (linear)")
-        );
+        for name in ["a.bmp", "noextension", "a.hdr"] {
+            let why = format!("cannot write {name}: its name must end in .exr (linear) or .png (tone-mapped)");
+            assert_eq!(picture().write(Path::new(name), 0.0).unwrap_err().to_string(), why);
+            assert_eq!(Image::check_target(Path::new(name)).unwrap_err().to_string(), why);
+        }
     }
 
     #[test]
