@@ -1,0 +1,406 @@
+//! The command `jerboa` as its users run it: the words of the command line, what they print and write, and what they say
+//! when something is wrong.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use jerboa_lib_render::host::image_io::Image;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A small, quick render of the default scene; more words follow.
+const SMALL: &str = "render --width 20 --height 16 --spp 2";
+
+/// A folder to run the command in.
+struct Desk(TempDir);
+
+impl Desk {
+    fn new() -> Desk {
+        Desk(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn run(&self, words: &str) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_jerboa"));
+        command.args(words.split_whitespace()).current_dir(self.path()).output().expect("the command starts")
+    }
+
+    /// What a command that succeeds writes to stdout.
+    fn ok(&self, words: &str) -> String {
+        let out = self.run(words);
+        assert!(out.status.success(), "{words}: {}", String::from_utf8_lossy(&out.stderr));
+        String::from_utf8(out.stdout).expect("text")
+    }
+
+    /// The line that a command that fails writes to stderr; warnings aside.
+    fn error(&self, words: &str) -> String {
+        let out = self.run(words);
+        let text = String::from_utf8(out.stderr).expect("text");
+        assert_eq!(out.status.code(), Some(1), "{words}: {text}");
+        assert!(out.stdout.is_empty(), "{words}: wrote to stdout");
+        let lines: Vec<&str> = text.lines().filter(|l| !l.starts_with("jerboa: warning: ")).collect();
+        let [line] = lines[..] else { panic!("{words}: one line is expected, not:\n{text}") };
+        line.strip_prefix("jerboa: ").unwrap_or_else(|| panic!("{words}: {line}")).to_string()
+    }
+
+    fn json(&self, words: &str) -> Value {
+        serde_json::from_str(&self.ok(words)).unwrap_or_else(|e| panic!("{words}: {e}"))
+    }
+
+    /// Bytes of the image that a small render with these words writes.
+    fn bytes(&self, words: &str) -> Vec<u8> {
+        self.ok(&format!("{SMALL} -o image.exr {words}"));
+        std::fs::read(self.path().join("image.exr")).expect("it was written")
+    }
+
+    fn image(&self, words: &str) -> Image {
+        self.bytes(words);
+        Image::read(&self.path().join("image.exr")).expect("an image")
+    }
+
+    /// The only files in the folder.
+    fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path()).expect("the folder");
+        let mut names: Vec<String> =
+            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn mean(image: &Image) -> f64 {
+    image.pixels.iter().flatten().map(|c| f64::from(*c)).sum::<f64>() / (3 * image.pixels.len()) as f64
+}
+
+fn keys(object: &Value) -> Vec<&str> {
+    object.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+#[test]
+fn render_alone_writes_out_png_of_the_default_scene() {
+    let desk = Desk::new();
+    let text = desk.ok("render --width 20 --height 16");
+    assert!(text.starts_with("out.png: 20x16, 64 spp, ") && text.contains("specialize"), "{text}");
+    assert_eq!(desk.files(), ["out.png"]);
+    let image = Image::read(&desk.path().join("out.png")).expect("an image");
+    assert_eq!((image.width, image.height), (20, 16));
+    assert!(mean(&image) > 0.05, "the box is lit");
+}
+
+#[test]
+fn an_exr_is_linear_32_bit_rgb_and_a_png_is_exposed() {
+    let desk = Desk::new();
+    desk.ok(&format!("{SMALL} -o a.exr"));
+    let exr = image::ImageReader::open(desk.path().join("a.exr")).expect("a file").decode().expect("an image");
+    assert_eq!(exr.color(), image::ColorType::Rgb32F);
+    let linear = Image::read(&desk.path().join("a.exr")).expect("an image");
+    assert!(linear.pixels.iter().flatten().any(|c| *c > 1.0), "the lamp is brighter than white");
+    for (ev, gain) in [("0", 1.0), ("-2", 0.25), ("1.5", 2.0_f32.powf(1.5))] {
+        desk.ok(&format!("{SMALL} -o a.png --exposure {ev}"));
+        let png = Image::read(&desk.path().join("a.png")).expect("an image");
+        for (shown, c) in png.pixels.as_flattened().iter().zip(linear.pixels.as_flattened()) {
+            // Half a step of 8 bits is at most 0.0046 where the sRGB curve is flattest, at 1.
+            assert!((shown - (c * gain).clamp(0.0, 1.0)).abs() < 0.0047, "{ev} EV: {shown} for {c}");
+        }
+    }
+}
+
+#[test]
+fn a_crop_has_the_very_pixels_of_the_full_image() {
+    let desk = Desk::new();
+    let full = desk.image("");
+    for [x, y, width, height] in [[0, 0, 20, 16], [3, 5, 7, 9], [19, 15, 1, 1], [0, 15, 20, 1]] {
+        let crop = desk.image(&format!("--crop {x},{y},{width},{height}"));
+        let expected = Image::from_fn(width, height, |i, j| full.pixels[((y + j) * 20 + x + i) as usize]);
+        assert!(crop == expected, "--crop {x},{y},{width},{height}");
+    }
+}
+
+#[test]
+fn what_must_not_change_the_image_does_not() {
+    let desk = Desk::new();
+    let image = desk.bytes("");
+    for words in [
+        "",
+        "--threads 1",
+        "--threads 2",
+        "--known nothing",
+        "--known all",
+        "--device cpu",
+        "--seed 0",
+        "--time-limit 1000",
+    ] {
+        assert!(desk.bytes(words) == image, "{words}");
+    }
+}
+
+#[test]
+fn what_changes_the_image_does() {
+    let desk = Desk::new();
+    let image = desk.bytes("");
+    for words in [
+        "--seed 1",
+        "--max-depth 1",
+        "--max-depth 2",
+        "--rr-depth 1",
+        "--rr-cap 0.1",
+        "--tracer normals",
+        "--tracer albedo",
+        "--tracer depth",
+    ] {
+        assert!(desk.bytes(words) != image, "{words}");
+    }
+}
+
+#[test]
+fn max_depth_counts_edges() {
+    let desk = Desk::new();
+    let [one, two, all] = ["1", "2", "1000"].map(|d| desk.image(&format!("--max-depth {d} --spp 8")));
+    // With one edge only the lamp is seen; it fills a small part of the view.
+    let lit = |image: &Image| image.pixels.iter().filter(|p| p[0] > 0.0).count();
+    assert!((1..20 * 16 / 8).contains(&lit(&one)), "{} lit pixels", lit(&one));
+    assert!(lit(&two) > 20 * 16 / 2);
+    assert!(mean(&one) < mean(&two) && mean(&two) < mean(&all));
+}
+
+#[test]
+fn debug_tracers_show_the_first_hit() {
+    let desk = Desk::new();
+    let view = "builtin:closed-box-50 --spp 1 --tracer";
+    let albedo = desk.image(&format!("{view} albedo"));
+    assert!(albedo.pixels.iter().all(|p| *p == [0.5; 3]), "{:?}", albedo.pixels[0]);
+    for n in desk.image(&format!("{view} normals")).pixels {
+        let n = n.map(|c| 2.0 * c - 1.0);
+        assert!((n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-5, "{n:?}");
+    }
+    // The camera stands inside the box 2 x 2 x 2.
+    let depth = desk.image(&format!("{view} depth"));
+    assert!(depth.pixels.iter().flatten().all(|d| (0.5..3.5).contains(d)), "{:?}", depth.pixels[0]);
+}
+
+#[test]
+fn the_environment_comes_from_the_scene_or_the_command_line() {
+    let desk = Desk::new();
+    let sky = Image::from_fn(16, 8, |x, y| [x as f32 / 8.0, y as f32 / 4.0, 1.0]);
+    sky.write(&desk.path().join("sky.exr"), 0.0).expect("written");
+    let scene = "builtin:point-light --max-depth 3 --env sky.exr";
+    let plain = desk.image(scene);
+    assert!(desk.image("builtin:point-light --max-depth 3") != plain);
+    assert!(desk.image(&format!("{scene} --env-rotation 0 --env-strength 1")) == plain);
+    assert!(desk.image(&format!("{scene} --env-rotation -90")) != plain);
+    // The environment's own strength scales the scene's too.
+    let lit = |strength: &str| mean(&desk.image(&format!("builtin:white-furnace --env-strength {strength}")));
+    assert_eq!(lit("0"), 0.0);
+    assert!((lit("4") / lit("1") - 4.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_camera_is_found_by_name() {
+    let desk = Desk::new();
+    assert!(desk.bytes("--camera camera") == desk.bytes(""));
+    let error = desk.error(&format!("{SMALL} --camera Foo"));
+    assert_eq!(error, "camera \"Foo\": the scene has no camera of that name; there are camera");
+}
+
+#[test]
+fn a_time_limit_ends_the_render_and_the_image_is_written() {
+    let desk = Desk::new();
+    let report = desk.json("render --width 64 --height 64 --spp 1000000000 --time-limit 0.5 --json -o a.exr");
+    let spp = report["spp"].as_u64().expect("a number");
+    assert!((1..1_000_000_000).contains(&spp), "{report}");
+    assert!(mean(&Image::read(&desk.path().join("a.exr")).expect("an image")) > 0.05);
+}
+
+#[test]
+fn shading_normals_and_the_film_size_are_chosen() {
+    let desk = Desk::new();
+    let odd = "builtin:odd-normals --shading-normals";
+    assert!(desk.bytes(&format!("{odd} free")) != desk.bytes(&format!("{odd} consistent")));
+    // The default camera asks for 512x512; one side alone keeps its aspect.
+    let size = |words: &str| {
+        let report = desk.json(&format!("render --spp 1 --json {words}"));
+        (report["width"].as_u64(), report["height"].as_u64())
+    };
+    assert_eq!(size("--width 10"), (Some(10), Some(10)));
+    assert_eq!(size("builtin:many-lights --height 12"), (Some(16), Some(12)));
+    assert_eq!(size("--crop 0,0,2,2"), (Some(512), Some(512)));
+}
+
+#[test]
+fn json_of_render_tells_samples_rays_and_seconds() {
+    let desk = Desk::new();
+    let report = desk.json(&format!("{SMALL} --json"));
+    assert_eq!(keys(&report), ["dropped_samples", "height", "output", "rays", "seconds", "spp", "width"]);
+    assert_eq!((report["spp"].as_u64(), report["dropped_samples"].as_u64()), (Some(2), Some(0)));
+    // Each sample has a camera ray.
+    assert!(report["rays"]["closest"].as_u64() >= Some(20 * 16 * 2), "{report}");
+    assert!(report["rays"]["shadow"].as_u64() > Some(0), "{report}");
+    assert_eq!(keys(&report["seconds"]), ["bvh", "codegen", "load", "render", "specialize", "tables"]);
+    assert!(report["seconds"].as_object().expect("an object").values().all(|s| s.as_f64() >= Some(0.0)), "{report}");
+}
+
+#[test]
+fn json_of_time_tells_each_phase_and_kernel() {
+    let desk = Desk::new();
+    let report = desk.json("time builtin:cornell-box --json");
+    assert_eq!(keys(&report), ["bvh_ms", "codegen_ms", "kernels", "load_ms", "specialize_ms", "total_ms"]);
+    let kernels = report["kernels"].as_array().expect("a list");
+    assert_eq!(kernels.iter().map(|k| &k["name"]).collect::<Vec<_>>(), ["path", "normals", "albedo", "depth"]);
+    let sum = |key: &str| kernels.iter().map(|k| k[key].as_f64().expect("a number")).sum::<f64>();
+    for key in ["specialize_ms", "codegen_ms"] {
+        assert!((sum(key) - report[key].as_f64().expect("a number")).abs() < 1e-6, "{report}");
+    }
+    for k in kernels {
+        let number = |key: &str| k[key].as_u64().expect("a whole number");
+        assert!(number("nodes_before") >= number("nodes_after") && number("nodes_after") > 0, "{k}");
+        assert!(number("code_bytes") > 0, "{k}");
+    }
+    assert!(desk.ok("time builtin:cornell-box").contains("path     specialize"));
+}
+
+#[test]
+fn json_of_compare_tells_the_figures() {
+    let desk = Desk::new();
+    for seed in 0..17 {
+        desk.ok(&format!("{SMALL} --seed {seed} -o {seed}.exr"));
+    }
+    let report = desk.json("compare 0.exr 1.exr 16.exr --json --diff d.png");
+    for key in ["rmse", "relmse"] {
+        assert!(report[key].as_f64() > Some(0.0), "{report}");
+    }
+    assert!(desk.path().join("d.png").is_file());
+    let renders: Vec<String> = (0..16).map(|seed| format!("{seed}.exr")).collect();
+    let report = desk.json(&format!("compare {} 16.exr --ref-variance 0.1 --json", renders.join(" ")));
+    for key in ["rmse", "relmse", "rms_z", "blocks_beyond", "max_z", "mean_sigmas"] {
+        assert!(report[key].is_f64(), "{key}: {report}");
+    }
+}
+
+#[test]
+fn dumps_read_back_and_verify() {
+    let desk = Desk::new();
+    let generic = jerboa_ir::parse(&desk.ok("dump builtin:cornell-box --stage generic")).expect("it parses");
+    assert_eq!(jerboa_ir::verify(&generic), []);
+    for words in ["--kernel path", "--kernel normals --known nothing", "--kernel path --known all"] {
+        let residual = jerboa_ir::parse(&desk.ok(&format!("dump builtin:cornell-box --stage residual {words}")))
+            .expect("it parses");
+        assert_eq!(jerboa_ir::verify_residual(&residual), [], "{words}");
+    }
+    assert!(desk.ok("dump builtin:cornell-box --stage clif --kernel depth").contains("function "));
+    assert!(desk.ok("dump builtin:cornell-box --stage asm --kernel depth").contains("ret"));
+    let all = desk.ok("dump builtin:cornell-box --stage residual");
+    let entries = |kernel: &str| all.lines().filter(|l| l.starts_with(&format!("entry {kernel} ="))).count();
+    assert_eq!(["path", "normals", "albedo", "depth"].map(entries), [1; 4]);
+}
+
+#[test]
+fn explain_says_why_and_trace_follows_a_path() {
+    let desk = Desk::new();
+    let text = desk.ok("explain builtin:cornell-box --kernel path");
+    assert!(text.starts_with("kernel path\n") && text.contains("traverse"), "{text}");
+    for sample in 0..4 {
+        let text = desk.ok(&format!("trace builtin:material-balls --pixel 120,200 --sample {sample}"));
+        assert!(text.contains("traverse") && text.contains("radiance ["), "{text}");
+        assert!(text.ends_with("machine code gives the same bits\n"), "{text}");
+    }
+}
+
+#[test]
+fn every_error_is_one_readable_line() {
+    let desk = Desk::new();
+    std::fs::write(desk.path().join("hello.glb"), "hello").expect("written");
+    std::fs::create_dir(desk.path().join("folder.png")).expect("made");
+    let missing = "cannot be read: No such file or directory (os error 2); check the path and its permissions";
+    let cases = [
+        ("", "a command is missing: `jerboa render` makes a first picture (jerboa --help lists the words)"),
+        ("frob", "unrecognized subcommand 'frob'"),
+        ("render nowhere.glb", &format!("nowhere.glb: {missing}")),
+        ("render hello.glb", "hello.glb: the JSON does not parse"),
+        ("render builtin:nothing", "builtin:nothing: no such built-in scene; there are cornell-box, "),
+        ("render -o out.jpg", "cannot write out.jpg: its name must end in .exr (linear) or .png (tone-mapped)"),
+        ("render -o out.hdr", "cannot write out.hdr: its name must end in .exr (linear) or .png (tone-mapped)"),
+        ("render -o nowhere/out.png", "cannot write nowhere/out.png: there is no such folder"),
+        ("render -o folder.png", "cannot write folder.png: it is not a regular file"),
+        ("render --env nowhere.hdr", &format!("nowhere.hdr: {missing}")),
+        ("render --env-strength 2", "the scene has no environment to turn or scale: name one by --env FILE"),
+        (
+            "render --env-strength -2",
+            "invalid value '-2' for '--env-strength <X>': expected a finite number, 0 or more",
+        ),
+        ("render --crop 510,0,4,4", "--crop 510,0,4,4 reaches beyond the film of 512x512"),
+        ("render --crop 4294967295,0,1,1", "--crop 4294967295,0,1,1 reaches beyond the film of 512x512"),
+        (
+            "render --width 65536 --height 65536",
+            "a film of 65536x65536 is too large, at most 67108864 pixels: render parts by --crop",
+        ),
+        ("render --spp 0", "invalid value '0' for '--spp <N>'"),
+        (
+            "render --tracer wood",
+            "invalid value 'wood' for '--tracer <TRACER>' [possible values: path, normals, albedo, depth]",
+        ),
+        (
+            "dump builtin:cornell-box --stage clif --kernel wood",
+            "there is no kernel `wood`; there are path, normals, albedo, depth",
+        ),
+        ("dump builtin:cornell-box --stage generic --kernel wood", "there is no kernel `wood`"),
+        ("dump nowhere.glb --stage generic", &format!("nowhere.glb: {missing}")),
+        ("dump builtin:cornell-box", "the following required arguments were not provided: --stage <STAGE>"),
+        ("explain builtin:cornell-box --kernel wood", "there is no kernel `wood`"),
+        ("time nowhere.glb", &format!("nowhere.glb: {missing}")),
+        ("trace builtin:cornell-box --pixel 512,0 --sample 0", "--pixel 512,0 is not on the film of 512x512"),
+        (
+            "trace builtin:cornell-box --pixel 5 --sample 0",
+            "invalid value '5' for '--pixel <X,Y>': expected X,Y, as in 120,80",
+        ),
+        ("compare a.exr b.exr", "cannot read b.exr: No such file or directory (os error 2)"),
+    ];
+    for (words, start) in cases {
+        let line = desk.error(words);
+        assert!(line.starts_with(start), "jerboa {words}: {line}");
+    }
+    assert_eq!(desk.files(), ["folder.png", "hello.glb"], "a failed command leaves nothing behind");
+}
+
+#[test]
+fn a_failed_write_leaves_the_old_file() {
+    let desk = Desk::new();
+    let old = desk.path().join("out.png");
+    std::fs::write(&old, "old").expect("written");
+    desk.error("render --width 8 --height 8 --spp 1 builtin:nothing");
+    desk.error("render --width 8 --height 8 --spp 1 --crop 9,9,9,9");
+    assert_eq!(std::fs::read(&old).expect("it is there"), b"old");
+    desk.ok("render --width 8 --height 8 --spp 1");
+    assert!(Image::read(&old).is_ok());
+    assert_eq!(desk.files(), ["out.png"], "no temporary file is left");
+}
+
+#[test]
+fn warnings_are_lines_and_no_failure() {
+    let desk = Desk::new();
+    let out = desk.run(&format!("{SMALL} builtin:empty"));
+    assert!(out.status.success());
+    let warnings = String::from_utf8(out.stderr).expect("text");
+    assert!(warnings.lines().all(|l| l.starts_with("jerboa: warning: ")), "{warnings}");
+    assert!(warnings.contains("no triangles") && warnings.contains("no light"), "{warnings}");
+    assert_eq!(mean(&Image::read(&desk.path().join("out.png")).expect("an image")), 0.0);
+}
+
+#[test]
+fn help_says_every_word() {
+    let desk = Desk::new();
+    let help = desk.ok("--help");
+    for command in ["render", "dump", "time", "explain", "trace", "compare"] {
+        assert!(help.contains(&format!("\n  {command}")), "{help}");
+        assert!(desk.ok(&format!("{command} --help")).contains("Usage: jerboa"), "{command}");
+    }
+    let words = "--output --spp --width --height --max-depth --seed --known --device --tracer --camera --shading-normals --env \
+                 --env-rotation --env-strength --rr-depth --rr-cap --crop --exposure --threads --time-limit --json";
+    let help = desk.ok("render --help");
+    assert_eq!(
+        words.split_whitespace().find(|w| !help.contains(&format!("{w} ")) && !help.contains(&format!("{w}\n"))),
+        None
+    );
+}
