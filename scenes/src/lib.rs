@@ -54,8 +54,9 @@
 //! # Trust
 //!
 //! A file is hostile until shown otherwise. All JSON is read as a tree of values by code that knows the path it stands
-//! at (typed parsers round `matrix` to single precision and cannot say where a fault is). Lengths, offsets and strides are
-//! checked in 64 bits before a byte is read; the node tree is walked without recursion, and must be a tree; a URI must be
+//! at. The words of glTF's schema (component types, modes, kinds) are those of the `gltf` crate; its readers are left to the
+//! tests, where they give a second opinion on sound files: they round `matrix` to single precision, cannot say where a
+//! fault is, and trust what they read. Lengths, offsets and strides are checked in 64 bits before a byte is read; the node tree is walked without recursion, and must be a tree; a URI must be
 //! `data:` or lead to a regular file in the scene's folder, symbolic links resolved; an image's header must pass the
 //! [`Limits`] before it is decoded; what cannot be repaired is an [`Error`], the rest is a counted [`Warning`]. Only what the
 //! chosen scene reaches is read at all.

@@ -3,61 +3,29 @@
 use super::Loader;
 use super::buffer::Bytes;
 use super::json::Json;
+use super::schema::{ComponentType, ElementType, GenericComponentType, IndexComponentType};
 use crate::Error;
 
-/// A component type of glTF (5120 and up).
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// The number at the start of `b`, which holds at least one of `component`. `normalized` integers become fractions
+/// (glTF 2.0, section 3.11).
+fn float(component: ComponentType, b: &[u8], normalized: bool) -> f32 {
+    let (value, unit) = match component {
+        ComponentType::I8 => (f32::from(b[0] as i8), 127.0),
+        ComponentType::U8 => (f32::from(b[0]), 255.0),
+        ComponentType::I16 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+        ComponentType::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+        ComponentType::U32 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, 4294967295.0),
+        ComponentType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+    };
+    if normalized { (value / unit).max(-1.0) } else { value }
 }
 
-impl Component {
-    fn read_type(at: &Json) -> Result<Component, Error> {
-        Ok(match at.integer()? {
-            5120 => Component::I8,
-            5121 => Component::U8,
-            5122 => Component::I16,
-            5123 => Component::U16,
-            5125 => Component::U32,
-            5126 => Component::F32,
-            other => return Err(at.fault(format!("{other} is not a component type"))),
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Component::I8 | Component::U8 => 1,
-            Component::I16 | Component::U16 => 2,
-            Component::U32 | Component::F32 => 4,
-        }
-    }
-
-    /// The number at the start of `b`, at least [`Component::size`] bytes long. `normalized` integers become fractions
-    /// (glTF 2.0, section 3.11).
-    fn float(self, b: &[u8], normalized: bool) -> f32 {
-        let (value, unit) = match self {
-            Component::I8 => (f32::from(b[0] as i8), 127.0),
-            Component::U8 => (f32::from(b[0]), 255.0),
-            Component::I16 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-            Component::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-            Component::U32 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, 4294967295.0),
-            Component::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-        };
-        if normalized { (value / unit).max(-1.0) } else { value }
-    }
-
-    /// The unsigned integer at the start of `b`.
-    fn index(self, b: &[u8]) -> u32 {
-        match self {
-            Component::U8 => u32::from(b[0]),
-            Component::U16 => u32::from(u16::from_le_bytes([b[0], b[1]])),
-            _ => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-        }
+/// The unsigned integer at the start of `b`.
+fn index(component: ComponentType, b: &[u8]) -> u32 {
+    match component {
+        ComponentType::U8 => u32::from(b[0]),
+        ComponentType::U16 => u32::from(u16::from_le_bytes([b[0], b[1]])),
+        _ => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
     }
 }
 
@@ -65,7 +33,7 @@ impl Component {
 pub(super) struct Accessor<'a> {
     pub at: Json<'a>,
     pub count: usize,
-    pub component: Component,
+    pub component: ComponentType,
     /// Components of an element: 1 for SCALAR, up to 4.
     pub width: usize,
     pub normalized: bool,
@@ -102,14 +70,13 @@ impl<'a> Loader<'a> {
             return Err(at.need("count")?.fault("0 elements; at least 1 is required"));
         }
         let kind = at.need("type")?;
-        let width = match kind.text()? {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            other => return Err(kind.fault(format!("{other} is not used by meshes"))),
+        let width = match kind.word()? {
+            ElementType::Mat2 | ElementType::Mat3 | ElementType::Mat4 => {
+                return Err(kind.fault(format!("{} is not used by meshes", kind.shown())));
+            }
+            vector => vector.multiplicity(),
         };
-        let component = Component::read_type(&at.need("componentType")?)?;
+        let GenericComponentType(component) = at.need("componentType")?.word()?;
         let size = width * component.size();
         let dense = match at.get("bufferView") {
             Some(_) => Some(self.elements(&at, count, size, true)?),
@@ -130,12 +97,9 @@ impl<'a> Loader<'a> {
             return Err(at.need("count")?.fault(format!("{number} replacements for {count} elements")));
         }
         let place = at.need("indices")?;
-        let component = Component::read_type(&place.need("componentType")?)?;
-        if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
-            return Err(place.need("componentType")?.fault("indices must be unsigned integers"));
-        }
+        let IndexComponentType(component) = place.need("componentType")?.word()?;
         let elements = self.elements(&place, number, component.size(), false)?;
-        let indices: Vec<u32> = (0..number as usize).map(|i| component.index(elements.at(i))).collect();
+        let indices: Vec<u32> = (0..number as usize).map(|i| index(component, elements.at(i))).collect();
         if let Some(pair) = indices.windows(2).find(|w| w[0] >= w[1]) {
             return Err(place.fault(format!("index {} follows {}; they must increase", pair[1], pair[0])));
         }
@@ -177,7 +141,7 @@ impl<'a> Loader<'a> {
         let Accessor { component, width, normalized, .. } = *accessor;
         let size = component.size();
         let element = |b: &[u8]| -> [f32; N] {
-            std::array::from_fn(|c| if c < width { component.float(&b[c * size..], normalized) } else { fill })
+            std::array::from_fn(|c| if c < width { float(component, &b[c * size..], normalized) } else { fill })
         };
         let mut floats = match &accessor.dense {
             Some(dense) => (0..accessor.count).map(|i| element(dense.at(i))).collect(),
@@ -193,18 +157,18 @@ impl<'a> Loader<'a> {
 
     /// All elements as vertex indices below `vertices`.
     pub fn indices(&mut self, accessor: &Accessor<'a>, vertices: usize) -> Result<Vec<u32>, Error> {
-        let Accessor { component, width, .. } = *accessor;
-        if width != 1 || !matches!(component, Component::U8 | Component::U16 | Component::U32) {
-            return Err(accessor.at.fault("indices must be unsigned integer scalars"));
+        if accessor.width != 1 {
+            return Err(accessor.at.need("type")?.fault("indices must be SCALAR"));
         }
+        let IndexComponentType(component) = accessor.at.need("componentType")?.word()?;
         self.spend(&accessor.at, accessor.count, 4)?;
         let mut indices = match &accessor.dense {
-            Some(dense) => (0..accessor.count).map(|i| component.index(dense.at(i))).collect(),
+            Some(dense) => (0..accessor.count).map(|i| index(component, dense.at(i))).collect(),
             None => vec![0; accessor.count],
         };
         if let Some(sparse) = &accessor.sparse {
             for (k, &i) in sparse.indices.iter().enumerate() {
-                indices[i as usize] = component.index(sparse.values.at(k));
+                indices[i as usize] = index(component, sparse.values.at(k));
             }
         }
         match indices.iter().find(|&&i| i as usize >= vertices) {

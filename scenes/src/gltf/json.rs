@@ -1,5 +1,6 @@
 //! A place in the JSON text: a value together with its path, so that every complaint can say where.
 
+use super::schema::Word;
 use crate::Error;
 use serde_json::Value;
 use std::path::Path;
@@ -112,6 +113,19 @@ impl<'a> Json<'a> {
         flag.value.as_bool().ok_or_else(|| flag.fault("neither true nor false"))
     }
 
+    /// One of the schema's words.
+    pub fn word<T: Word>(&self) -> Result<T, Error> {
+        let code = || self.integer().ok().and_then(|code| u32::try_from(code).ok());
+        let plain = self.value.as_str().map(Value::from).or_else(|| code().map(Value::from));
+        let fault = || self.fault(format!("{} is none of {:?}", shorten(&self.value.to_string()), T::ALL));
+        plain.and_then(T::parse).ok_or_else(fault)
+    }
+
+    /// An optional property that is one of the schema's words.
+    pub fn word_or<T: Word>(&self, key: &str, default: T) -> Result<T, Error> {
+        self.get(key).map_or(Ok(default), |v| v.word())
+    }
+
     /// The author's name for this object, or nothing.
     pub fn name(&self) -> String {
         self.value.get("name").and_then(Value::as_str).unwrap_or_default().to_string()
@@ -139,12 +153,7 @@ impl<'a> Json<'a> {
 
     /// The first characters of this string, for messages: a data: URI may have millions.
     pub fn shown(&self) -> String {
-        const SHOWN: usize = 60;
-        let text = self.value.as_str().unwrap_or_default();
-        match text.char_indices().nth(SHOWN) {
-            Some((end, _)) => format!("{}…", &text[..end]),
-            None => text.to_string(),
-        }
+        shorten(self.value.as_str().unwrap_or_default())
     }
 
     fn fault_at(&self, path: String, reason: impl Into<String>) -> Error {
@@ -157,5 +166,13 @@ impl<'a> Json<'a> {
 
     fn path_to(&self, key: &str) -> String {
         if self.path.is_empty() { key.to_string() } else { format!("{}.{key}", self.path) }
+    }
+}
+
+fn shorten(text: &str) -> String {
+    const SHOWN: usize = 60;
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Loader;
 use super::json::Json;
+use super::schema::{CameraType, LightType};
 use crate::error::warn;
 use crate::{Camera, Error, Light, LightKind};
 use glam::DAffine3;
@@ -14,11 +15,10 @@ impl<'a> Loader<'a> {
             return Err(reference.fault("the file has no KHR_lights_punctual lights"));
         };
         let (_, at) = reference.refer(&list, "lights", "lights")?;
-        let kind = at.need("type")?;
-        let kind = match kind.text()? {
-            "point" => LightKind::Point,
-            "directional" => LightKind::Directional,
-            "spot" => {
+        let kind = match at.need("type")?.word()? {
+            LightType::Point => LightKind::Point,
+            LightType::Directional => LightKind::Directional,
+            LightType::Spot => {
                 let cone = at.need("spot")?;
                 let inner = cone.number_or("innerConeAngle", 0.0)?;
                 let outer = cone.number_or("outerConeAngle", FRAC_PI_4)?;
@@ -27,7 +27,6 @@ impl<'a> Loader<'a> {
                 }
                 LightKind::Spot { inner: inner as f32, outer: outer as f32 }
             }
-            other => return Err(kind.fault(format!("{other} is none of point, spot, directional"))),
         };
         let strength = at.number_or("intensity", 1.0)?;
         let intensity = at.numbers_or("color", [1.0; 3])?.map(|c| (c * strength) as f32);
@@ -41,16 +40,9 @@ impl<'a> Loader<'a> {
     /// Adds the camera that a node refers to.
     pub fn camera(&mut self, reference: &Json<'a>, node: &Json, to_world: DAffine3) -> Result<(), Error> {
         let (_, at) = reference.refer(&self.root, "cameras", "cameras")?;
-        let kind = at.need("type")?;
-        match kind.text()? {
-            "perspective" => {}
-            "orthographic" => {
-                warn(&mut self.scene.warnings, &at.path, "orthographic cameras are left out");
-                return Ok(());
-            }
-            other => {
-                return Err(kind.fault(format!("{other} is neither perspective nor orthographic")));
-            }
+        if at.need("type")?.word::<CameraType>()? == CameraType::Orthographic {
+            warn(&mut self.scene.warnings, &at.path, "orthographic cameras are left out");
+            return Ok(());
         }
         let lens = at.need("perspective")?;
         let place = lens.need("yfov")?;

@@ -2,6 +2,7 @@
 
 use super::Loader;
 use super::json::Json;
+use super::schema;
 use crate::error::warn;
 use crate::{AlphaMode, Error, Material, TextureRef, UvTransform, Volume};
 use std::ops::RangeInclusive;
@@ -91,14 +92,10 @@ impl<'a> Loader<'a> {
     }
 
     fn alpha_mode(&mut self, at: &Json<'a>) -> Result<AlphaMode, Error> {
-        let Some(mode) = at.get("alphaMode") else {
-            return Ok(AlphaMode::Opaque);
-        };
-        Ok(match mode.text()? {
-            "OPAQUE" => AlphaMode::Opaque,
-            "MASK" => AlphaMode::Mask(self.factor(at, "alphaCutoff", 0.5, NOT_NEGATIVE)?),
-            "BLEND" => AlphaMode::Blend,
-            other => return Err(mode.fault(format!("{other} is none of OPAQUE, MASK, BLEND"))),
+        Ok(match at.word_or("alphaMode", schema::AlphaMode::Opaque)? {
+            schema::AlphaMode::Opaque => AlphaMode::Opaque,
+            schema::AlphaMode::Mask => AlphaMode::Mask(self.factor(at, "alphaCutoff", 0.5, NOT_NEGATIVE)?),
+            schema::AlphaMode::Blend => AlphaMode::Blend,
         })
     }
 

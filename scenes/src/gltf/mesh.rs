@@ -1,8 +1,8 @@
 //! Mesh primitives to triangles.
 
 use super::Loader;
-use super::accessor::Component;
 use super::json::Json;
+use super::schema::{ComponentType, Mode};
 use crate::error::warn;
 use crate::{Error, Mesh};
 use glam::{Vec2, Vec3, Vec4};
@@ -28,12 +28,10 @@ impl<'a> Loader<'a> {
     }
 
     fn primitive(&mut self, at: &Json<'a>, name: String) -> Result<Option<Mesh>, Error> {
-        let mode = at.integer_or("mode", 4)?;
-        if mode > 6 {
-            return Err(at.fault(format!("{mode} is not a primitive mode")));
-        }
+        let mode = at.word_or("mode", Mode::Triangles)?;
         let attributes = at.need("attributes")?;
-        if mode < 4 || attributes.get("POSITION").is_none() {
+        let has_triangles = matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan);
+        if !has_triangles || attributes.get("POSITION").is_none() {
             warn(&mut self.scene.warnings, &at.path, "a primitive of points, of lines or without POSITION is left out");
             return Ok(None);
         }
@@ -54,7 +52,7 @@ impl<'a> Loader<'a> {
     fn vertices(&mut self, attributes: &Json<'a>) -> Result<Mesh, Error> {
         let positions = self.attribute::<3>(&attributes.need("POSITION")?, None, &[])?;
         let count = positions.len();
-        let fractions = &[Component::U8, Component::U16];
+        let fractions = &[ComponentType::U8, ComponentType::U16];
         let normals = self.optional::<3>(attributes, "NORMAL", count, &[])?;
         // Without normals the shading is flat and tangents mean nothing (glTF 2.0, section 3.7.2.1).
         let tangents = match normals {
@@ -93,7 +91,7 @@ impl<'a> Loader<'a> {
         attributes: &Json<'a>,
         name: &str,
         count: usize,
-        fractions: &[Component],
+        fractions: &[ComponentType],
     ) -> Result<Option<Vec<[f32; N]>>, Error> {
         attributes.get(name).map(|reference| self.attribute(&reference, Some(count), fractions)).transpose()
     }
@@ -104,16 +102,16 @@ impl<'a> Loader<'a> {
         &mut self,
         reference: &Json<'a>,
         count: Option<usize>,
-        fractions: &[Component],
+        fractions: &[ComponentType],
     ) -> Result<Vec<[f32; N]>, Error> {
         let accessor = self.accessor(reference)?;
         let color = reference.path.ends_with("COLOR_0");
         if accessor.width != N && !(color && accessor.width == 3) {
             return Err(reference.fault(format!("an accessor of {} components, not {N}", accessor.width)));
         }
-        let integer = accessor.component != Component::U32 && self.quantized && !color;
+        let integer = accessor.component != ComponentType::U32 && self.quantized && !color;
         let fraction = accessor.normalized && fractions.contains(&accessor.component);
-        if accessor.component != Component::F32 && !integer && !fraction {
+        if accessor.component != ComponentType::F32 && !integer && !fraction {
             return Err(reference.fault("this component type needs KHR_mesh_quantization in extensionsUsed"));
         }
         if let Some(count) = count.filter(|&c| c != accessor.count) {
@@ -123,14 +121,14 @@ impl<'a> Loader<'a> {
     }
 
     /// Corners to triangles of the same winding (glTF 2.0, section 3.7.2.1).
-    fn triangles(&mut self, at: &Json, mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
+    fn triangles(&mut self, at: &Json, mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
         match mode {
-            5 => corners
+            Mode::TriangleStrip => corners
                 .windows(3)
                 .enumerate()
                 .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
                 .collect(),
-            6 => corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect(),
+            Mode::TriangleFan => corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect(),
             _ => {
                 if !corners.len().is_multiple_of(3) {
                     warn(

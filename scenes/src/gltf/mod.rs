@@ -1,7 +1,7 @@
 //! glTF 2.0 (.gltf and .glb) to a [`Scene`], trusting nothing in the file.
 //!
 //! The JSON is read as a tree of values by readers that know the path they stand at, so that every fault names its
-//! place, and node transforms keep JSON's double precision. Only what the chosen scene reaches is read: a broken image
+//! place, and node transforms keep JSON's double precision; the words of glTF's schema come from the `gltf` crate. Only what the chosen scene reaches is read: a broken image
 //! that no material uses costs nothing and complains about nothing.
 
 mod accessor;
@@ -14,6 +14,7 @@ mod light;
 mod material;
 mod mesh;
 mod nodes;
+mod schema;
 mod texture;
 
 use crate::error::warn;

@@ -3,6 +3,7 @@
 use super::Loader;
 use super::folder::{Resolved, resolve};
 use super::json::Json;
+use super::schema::{MagFilter, WrappingMode};
 use crate::error::warn;
 use crate::texture::check_size;
 use crate::{Error, Filter, Image, Texture, TextureSource, Wrap};
@@ -113,19 +114,17 @@ fn undecodable(error: image::ImageError) -> String {
 }
 
 fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Texture, Error> {
-    let get = |key, default| sampler.as_ref().map_or(Ok(default), |s| s.integer_or(key, default));
     let wrap = |key| {
-        Ok(match get(key, 10497)? {
-            10497 => Wrap::Repeat,
-            33648 => Wrap::Mirror,
-            33071 => Wrap::Clamp,
-            other => return Err(at.fault(format!("{other} is not a wrap mode"))),
+        let mode = sampler.as_ref().map_or(Ok(WrappingMode::Repeat), |s| s.word_or(key, WrappingMode::Repeat));
+        mode.map(|mode| match mode {
+            WrappingMode::Repeat => Wrap::Repeat,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::ClampToEdge => Wrap::Clamp,
         })
     };
-    let filter = match get("magFilter", 9729)? {
-        9728 => Filter::Nearest,
-        9729 => Filter::Bilinear,
-        other => return Err(at.fault(format!("{other} is not a magnification filter"))),
+    let filter = match sampler.as_ref().map_or(Ok(MagFilter::Linear), |s| s.word_or("magFilter", MagFilter::Linear))? {
+        MagFilter::Nearest => Filter::Nearest,
+        MagFilter::Linear => Filter::Bilinear,
     };
     let source = TextureSource::Image(image);
     Ok(Texture { name: at.name(), source, wrap_s: wrap("wrapS")?, wrap_t: wrap("wrapT")?, filter })

@@ -7,3 +7,4 @@ mod messages;
 mod missing;
 mod reading;
 mod shared;
+mod second_reader;

@@ -67,6 +67,15 @@ fn strips_and_fans_keep_their_winding() {
     assert_eq!(load(&d).unwrap().meshes[0].triangles, [[1, 2, 0], [2, 3, 0], [3, 4, 0]]);
 }
 
+/// Some exporters write all numbers as fractions.
+#[test]
+fn codes_may_be_whole_fractions() {
+    let mut d = triangle();
+    d["meshes"][0]["primitives"][0]["mode"] = json!(4.0);
+    d["accessors"][0]["componentType"] = json!(5126.0);
+    assert_eq!(load(&d), load(&triangle()));
+}
+
 #[test]
 fn without_indices_the_corners_are_in_order() {
     let mut d = triangle();

@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// All .gltf and .glb files below the shared scenes, sorted; `None`, said by name, where they are not at hand.
-fn files() -> Option<Vec<PathBuf>> {
+pub fn files() -> Option<Vec<PathBuf>> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let folder = std::env::var_os("JERBOA_SHARED").map_or_else(beside, PathBuf::from).join("scenes");
     if !folder.is_dir() {

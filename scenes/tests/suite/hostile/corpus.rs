@@ -53,6 +53,8 @@ impl Corpus {
         self.vary("position-matrix", |d| d["accessors"][0]["type"] = json!("MAT4"));
         self.vary("position-u8", |d| d["accessors"][0]["componentType"] = json!(5121));
         self.vary("component-type-9", |d| d["accessors"][0]["componentType"] = json!(9));
+        // Only the low 32 bits are a code.
+        self.vary("component-type-2e32", |d| d["accessors"][0]["componentType"] = json!((1u64 << 32) + 5126));
         self.vary("index-float", |d| d["accessors"][1]["componentType"] = json!(5126));
         self.vary("normals-too-few", |d| {
             let a = accessor(d, &[0; 24], 5126, "VEC3", 2);
@@ -60,6 +62,8 @@ impl Corpus {
         });
         self.vary("points", |d| d["meshes"][0]["primitives"][0]["mode"] = json!(0));
         self.vary("mode-7", |d| d["meshes"][0]["primitives"][0]["mode"] = json!(7));
+        self.vary("mode-2e32", |d| d["meshes"][0]["primitives"][0]["mode"] = json!((1u64 << 32) + 4));
+        self.vary("mode-list", |d| d["meshes"][0]["primitives"][0]["mode"] = json!(vec![4; 99]));
         self.vary("two-corners", |d| d["accessors"][1]["count"] = json!(2));
         self.vary("material-out-of-range", |d| d["meshes"][0]["primitives"][0]["material"] = json!(3));
         self.vary("no-attributes", |d| {
