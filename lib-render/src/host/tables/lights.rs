@@ -103,6 +103,8 @@ fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {
 /// between them would double the variance.
 fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Candidate> + 'a {
     let emissive = |p: usize| scene.materials[geometry.materials[p] as usize].is_emissive();
+    // Looked at once for each material: an image may have millions of texels, a mesh millions of triangles.
+    let means: Vec<f64> = scene.materials.iter().map(|m| if m.is_emissive() { texture_mean(scene, m) } else { 0.0 }).collect();
     let mut next = 0;
     std::iter::from_fn(move || {
         while next < geometry.triangles.len() {
@@ -120,7 +122,7 @@ fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Ca
             next += usize::from(other.is_some());
             let sides = if m.double_sided { 2.0 } else { 1.0 };
             let halves = if other.is_some() { 2.0 } else { 1.0 };
-            let power = luminance(m.emissive) * texture_mean(scene, m) * area * halves * sides * std::f64::consts::PI;
+            let power = luminance(m.emissive) * means[geometry.materials[p] as usize] * area * halves * sides * std::f64::consts::PI;
             let other = other.map(|corner| Quad { primitive: p as u32 + 1, corner });
             return Some(Candidate { power, kind: Kind::Area { primitive: p as u32, other } });
         }
