@@ -53,7 +53,7 @@ impl Triangle {
     }
 
     /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| for the point itself (pbrt, 4th ed.,
-    /// 6.8.5), and [`HIT_ERROR`] of the longest edge for how well a ray that starts there can tell where this plane is.
+    /// 6.8.5), and `HIT_ERROR` of the longest edge for how well a ray that starts there can tell where this plane is.
     pub fn point(self) -> (Vec3, Vec3) {
         let at = self.positions();
         let [p, q, r] = std::array::from_fn(|i| (at[i] * self.weights[i]).abs());

@@ -1,6 +1,8 @@
 //! The long image tests, as a command: T13 on the matched scenes, and its red cases.
 //!
-//!     cargo run --release -p jerboa-tests --bin acceptance -- [SCENE…] [--seconds S] [--renders K] [--red CASE]
+//! ```sh
+//! cargo run --release -p jerboa-tests --bin acceptance -- [SCENE…] [--seconds S] [--renders K] [--red CASE]
+//! ```
 //!
 //! Each scene is rendered K times (16), each with a seed of its own, at the samples per pixel that S seconds (10) buy
 //! (cornell-box: 64), and compared with its reference. Then the same renders are spoiled on purpose, 2 % darker and shifted
