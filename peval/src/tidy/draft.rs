@@ -150,7 +150,20 @@ impl Draft {
     pub fn compact(&mut self) -> u64 {
         let before = self.p().nodes.len();
         *self = Draft::copy(self.p(), self.entry);
+        self.name_labels();
         before.saturating_sub(self.p().nodes.len()) as u64
+    }
+
+    /// An arm with more than one way in is a label, as it is when the residual is specialised again.
+    fn name_labels(&mut self) {
+        let order = self.order();
+        let mentions = self.mentions(&order);
+        for c in order {
+            let cont = self.world.cont_mut(c);
+            if cont.role == Role::Arm && mentions[c.index()].len() > 1 {
+                cont.role = Role::Label;
+            }
+        }
     }
 
     /// What `entry` reaches of a residual, in canonical order.
