@@ -6,15 +6,13 @@
 
 use std::path::{Path, PathBuf};
 
-use jerboa_ir::lang::Buf;
-use jerboa_ir::print;
-use jerboa_ir::{Lit, Program, Role};
+use jerboa_ir::{Lit, Program, Role, print};
 use jerboa_lib_render::host::film::Window;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, every_entry, generic, residual};
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::replay::interpret;
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables};
-use jerboa_lib_render::schema::*;
+use jerboa_peval::{Arg, Facts, Generic, specialize};
 use jerboa_scenes::{Scene, builtin};
 
 const LEVELS: [Known; 3] = [Known::Nothing, Known::Structure, Known::All];
@@ -136,40 +134,75 @@ fn no_join_is_copied_per_branch() {
     assert_eq!(copied, Vec::<String>::new());
 }
 
-/// Buffers whose columns a program reads, loads or stores.
-fn touched(p: &Program) -> Vec<String> {
-    let text = print(p);
-    let used = |name: &str| text.lines().any(|l| l.contains(&format!("{name}.")) && !l.trim_start().starts_with(';'));
-    BUFFERS.iter().map(|b| b.0).filter(|name| used(name)).map(Into::into).collect()
-}
-
 fn residual_at(scene: &Scene, known: Known) -> Program {
     let tables = Tables::new(scene, &Choices::default(), known);
     residual(&tables, TracerKind::Path, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name)).program
 }
 
-/// T25: what a scene does not use is not in its residual.
+/// The text of a residual without the declarations of its buffers.
+fn body(p: &Program) -> String {
+    let text = print(p);
+    let start = text.find("\nfun ").expect("a residual has a function");
+    text[start..].into()
+}
+
+/// Specialising a residual again changes nothing.
+#[test]
+fn a_residual_is_its_own_residual() {
+    for (name, known) in [("cornell-box", Known::Structure), ("material-balls", Known::All), ("alpha", Known::Nothing)] {
+        let once = residual_at(&load(&format!("builtin:{name}")), known);
+        let unknown = [Arg::Unknown, Arg::Unknown];
+        let options = jerboa_peval::Options::default();
+        let again = specialize(&Generic::new(once.clone()), "path", &unknown, &Facts::none(), &options);
+        let again = again.unwrap_or_else(|e| panic!("{name}: {e}")).program;
+        assert!(print(&again) == print(&once), "{name} at {known:?}: {} became {}", first_line(&once), first_line(&again));
+    }
+}
+
+/// The counters that begin a dump.
+fn first_line(p: &Program) -> String {
+    print(p).lines().next().unwrap_or_default().to_string()
+}
+
+/// A feature, what shows it in a residual, and a built-in scene that has it.
+const FEATURES: [(&str, &[&str], &str); 8] = [
+    ("textures", &["Texels.RGBA", "SrgbCurve.LINEAR"], "textures"),
+    ("texture coordinates", &["Uvs.U0"], "textures"),
+    ("environment", &["EnvironmentTexels.R", "EnvironmentRows.CDF", "EnvironmentColumns.CDF"], "environment"),
+    ("glass", &["Materials.IOR"], "glass"),
+    ("metal", &["Materials.ROUGHNESS"], "material-balls"),
+    ("KHR_texture_transform", &["Textures.M00", "Textures.M12"], "textures"),
+    ("cut-outs", &["Materials.ALPHA_CUTOFF"], "alpha"),
+    ("spot lights", &["Lights.COS_OUTER"], "spot"),
+];
+
+/// T25: what a scene does not use is not in its residual, and the same search finds it where it is used.
 #[test]
 fn a_residual_has_only_what_the_scene_needs() {
-    let plain = residual_at(&load("builtin:cornell-box"), Known::Structure);
-    let rich = residual_at(&load("builtin:material-balls"), Known::Structure);
-    let text = print(&plain);
-    // (feature, what would show it)
-    let forbidden: [(&str, &[&str]); 6] = [
-        ("textures", &["Texels.", "Textures.", "SrgbCurve."]),
-        ("texture coordinates", &["Uvs.", "Tangents."]),
-        ("environment", &["Environment.", "EnvironmentTexels.", "EnvironmentRows.", "EnvironmentColumns."]),
-        ("glass", &["Materials.IOR", "Materials.TRANSMISSION", "Materials.ABSORPTION"]),
-        ("KHR_texture_transform", &["Textures.M0", "Textures.M1"]),
-        ("cut-outs", &["Materials.ALPHA", "Materials.BASE_A "]),
-    ];
-    let body: String = text.lines().filter(|l| !l.starts_with("table") && !l.starts_with("stream")).collect::<Vec<_>>().join("\n");
-    for (feature, traces) in forbidden {
+    let plain = body(&residual_at(&load("builtin:cornell-box"), Known::Structure));
+    for (feature, traces, scene) in FEATURES {
+        let with = body(&residual_at(&load(&format!("builtin:{scene}")), Known::Structure));
         for trace in traces {
-            assert!(!body.contains(trace), "{feature}: `{trace}` in the residual of a scene without it");
+            assert!(!plain.contains(trace), "{feature}: `{trace}` in the residual of a scene without it");
+            assert!(with.contains(trace), "{feature}: no `{trace}` in the residual of `{scene}`");
         }
     }
-    // The same search finds them where they are needed.
-    assert!(touched(&rich).contains(&EnvironmentTexels::NAME.to_string()), "{:?}", touched(&rich));
-    assert!(!touched(&plain).contains(&Environment::NAME.to_string()), "{:?}", touched(&plain));
+}
+
+/// The size of each built-in's renderer, as a golden: a change of the library or the evaluator shows its effect here.
+/// `BLESS=1` rewrites it.
+#[test]
+fn counters_of_the_residuals() {
+    let rows = builtin::list().iter().map(|b| {
+        let scene = load(&format!("builtin:{}", b.name));
+        let counters = first_line(&residual_at(&scene, Known::Structure));
+        format!("{:<16}{}\n", b.name, counters.split_once(';').map_or("", |(_, c)| c))
+    });
+    let found: String = rows.collect();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("files/counters.txt");
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&file, &found).expect("the golden can be written");
+    }
+    let golden = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(golden == found, "the counters changed; if they should, BLESS=1 rewrites {}:\n{found}", file.display());
 }
