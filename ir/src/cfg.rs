@@ -323,7 +323,8 @@ impl NotFirstOrder {
 
 impl fmt::Display for NotFirstOrder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: `{}` is not first-order: {}; specialise the program first", self.loc, self.name, self.why)
+        write!(f, "`{}` is not first-order: {}; specialise the program first", self.name, self.why)?;
+        if self.loc != Loc::NONE { write!(f, " ({})", self.loc) } else { Ok(()) }
     }
 }
 

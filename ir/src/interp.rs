@@ -63,7 +63,8 @@ impl fmt::Display for Stop {
         match self {
             Stop::Fuel => f.write_str("the run used up its fuel"),
             Stop::Limit => f.write_str("the run needs more memory than its limit: recursion too deep?"),
-            Stop::Fault { loc, message } => write!(f, "{loc}: {message}"),
+            Stop::Fault { loc: Loc::NONE, message } => f.write_str(message),
+            Stop::Fault { loc, message } => write!(f, "{message} ({loc})"),
         }
     }
 }

@@ -16,7 +16,8 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}` ({})", self.name, self.loc)
+        write!(f, "`{}`", self.name)?;
+        if self.loc != Loc::NONE { write!(f, " ({})", self.loc) } else { Ok(()) }
     }
 }
 
@@ -45,13 +46,6 @@ pub enum Error {
         first: Place,
         /// What arrived later.
         second: Place,
-    },
-    /// A function that stays returns a function, so its result would be a closure at run time (Law 4).
-    ReturnsFunction {
-        /// The residual function.
-        function: Place,
-        /// What it returns.
-        value: Place,
     },
     /// A budget is used up and nothing is left to generalise: a function argument grows (Law 5).
     Budget {
@@ -93,10 +87,6 @@ impl fmt::Display for Error {
                 f,
                 "two functions meet at the join {join} of an unknown branch: {first} and {second}; choose inside the \
                  function, or ask for a copy per branch with `.per_branch()`"
-            ),
-            Error::ReturnsFunction { function, value } => write!(
-                f,
-                "{function} stays a call but returns the function {value}; unfold it, or pass the function in instead"
             ),
             Error::Budget { function, argument, chain: calls, copies } => write!(
                 f,

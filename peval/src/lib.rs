@@ -199,7 +199,7 @@ fn begin(m: &mut Machine<'_>, entry: &str, args: &[Arg]) -> Result<(), Error> {
     let Some((last, formals)) = generic.params.split_last() else { return refuse("it has no return".into()) };
     let Some(ret_ty) = lift::return_ty(last.ty) else { return refuse(format!("it cannot return to {}", last.ty)) };
     if formals.len() != args.len() {
-        return refuse(format!("it takes {} arguments, not {}", formals.len(), args.len()));
+        return refuse(format!("arguments: {} expected, {} given", formals.len(), args.len()));
     }
     let mut params: Vec<Param> = Vec::new();
     for (formal, arg) in formals.iter().zip(args) {
@@ -211,7 +211,12 @@ fn begin(m: &mut Machine<'_>, entry: &str, args: &[Arg]) -> Result<(), Error> {
             (Arg::Unknown, _) => lift::flat(formal.ty, &mut types),
         };
         if !fits {
-            return refuse(format!("{arg:?} is no argument of type {}", formal.ty));
+            let arg = match arg {
+                Arg::Known(lit) => lit.to_string(),
+                Arg::Class(class) => format!("a row of class {class}"),
+                Arg::Unknown => "an unknown".into(),
+            };
+            return refuse(format!("{arg} is no argument of type {}", formal.ty));
         }
         params.extend(types.into_iter().map(|ty| Param { ty, name: formal.name.clone(), keep: false }));
     }
