@@ -170,3 +170,10 @@ fn every_tracer_renders_an_empty_scene_black() {
         assert!(image.pixels.iter().all(|p| *p == [0.0; 3]), "{}: {:?}", tracer.kernel(), image.pixels[0]);
     }
 }
+
+#[test]
+fn samples_beyond_their_numbers_are_an_error() {
+    let (renderer, camera) = load("empty");
+    let error = renderer.render(&camera, &mut Film::new(WHOLE), job(u32::MAX, 2, 0)).expect_err("there are 2^32");
+    assert_eq!(error.to_string(), "2 samples from number 4294967295 on reach beyond 2^32: ask for fewer");
+}

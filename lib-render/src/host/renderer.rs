@@ -116,13 +116,20 @@ impl Renderer {
         &self.generated
     }
 
-    /// Add samples to a film: tiles in parallel on rayon's current pool.
+    /// Add samples to a film: tiles in parallel on rayon's current pool. Errors: see [`Renderer::render_with`].
     pub fn render(&self, camera: &Camera, film: &mut Film, job: Render) -> Result<Stats, Error> {
         self.render_with(camera, film, job, &Handle::default())
     }
 
     /// Like [`Renderer::render`], with a handle on it. A cancelled render is no error: the film holds what was done.
+    ///
+    /// # Errors
+    /// When the samples reach beyond 2^32, or the kernel gives up: a fault of Jerboa.
     pub fn render_with(&self, camera: &Camera, film: &mut Film, job: Render, handle: &Handle) -> Result<Stats, Error> {
+        if job.sample.checked_add(job.spp).is_none() {
+            let Render { sample, spp, .. } = job;
+            return Err(Error::new(format!("{spp} samples from number {sample} on reach beyond 2^32: ask for fewer")));
+        }
         let start = Instant::now();
         let mut stats = Stats::default();
         let tiles = tiles(film.window());
