@@ -90,9 +90,9 @@ fn floor_agrees(scene: &Scene, radiance: impl Fn(DVec3) -> f64) {
     for (x, y) in (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE)) {
         let at = |i: u32| radiance(meet(f64::from(x) + inside(i % CELLS), f64::from(y) + inside(i / CELLS)));
         let truth = (0..CELLS * CELLS).map(at).sum::<f64>() / f64::from(CELLS * CELLS);
-        let values: Vec<f64> = samples(&r, &camera, SIDE, square(x, y, 1), 1024).iter().map(|s| s[0]).collect();
+        let values: Vec<f64> = samples(&r, &camera, SIDE, square(x, y, 1), 16_384).iter().map(|s| s[0]).collect();
         if truth > 0.0 {
-            agree(&format!("{x},{y}"), &values, truth, 0.1);
+            agree(&format!("{x},{y}"), &values, truth, 0.02);
         } else {
             assert!(values.iter().all(|v| *v == 0.0), "{x},{y}: light where there is none");
         }
