@@ -204,7 +204,8 @@ mod rule {
             for link in links.filter(|l| !l.is_empty() && !l.contains("://")) {
                 let target = resolve(folder, link);
                 // Pictures are not among the sources.
-                if !exists(all, &target) && !(target.ends_with(".png") && root().join(&target).is_file()) {
+                let is_picture = target.ends_with(".png") && root().join(&target).is_file();
+                if !is_picture && !exists(all, &target) {
                     faults.push(format!("{}: the link `{link}` leads nowhere", page.path));
                 }
             }
