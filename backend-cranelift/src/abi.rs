@@ -12,8 +12,8 @@
 use cranelift_codegen::ir::{AbiParam, Signature, Type, types};
 use cranelift_codegen::isa::CallConv;
 use jerboa_ir::cfg::{Cfg, Function};
-use jerboa_ir::{Body, Mem, Node, Program, Scalar, Ty};
 use jerboa_ir::schedule::Schedule;
+use jerboa_ir::{Body, Mem, Node, Program, Scalar, Ty};
 
 /// Memory of one buffer, as a kernel is given it: an array of these, indexed by binding number.
 #[repr(C)]

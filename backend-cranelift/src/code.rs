@@ -8,10 +8,10 @@ use jerboa_ir::Program;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use crate::Error;
 use crate::abi::{Binding, Status};
 use crate::compile::{self, HOST, KernelReport, Machine, Unlinked};
 use crate::target::{Options, Target, fused_multiply_add};
-use crate::Error;
 
 /// Machine code of some kernels. Freed when it is dropped.
 pub struct Code {
@@ -45,7 +45,8 @@ pub fn compile(programs: &[&Program], options: &Options) -> Result<Code, Error> 
 
 impl Code {
     pub(crate) fn for_target(programs: &[&Program], options: &Options, target: &Target) -> Result<Code, Error> {
-        let entries: Vec<_> = programs.iter().flat_map(|p| p.entries.iter().map(|(name, cont)| (*p, name, *cont))).collect();
+        let entries: Vec<_> =
+            programs.iter().flat_map(|p| p.entries.iter().map(|(name, cont)| (*p, name, *cont))).collect();
         let kernels: Vec<Unlinked> = entries
             .par_iter()
             .map(|(p, name, cont)| compile::kernel(target, options, p, name, *cont))
@@ -147,7 +148,8 @@ fn link(target: &Target, kernels: Vec<Unlinked>) -> Result<Code, Error> {
     let functions = || kernels.iter().flat_map(|k| &k.functions);
     let reserved = functions().map(|f| (f.bytes.len() + 64).next_multiple_of(1 << 14)).sum::<usize>().max(1 << 14);
     builder.memory_provider(Box::new(ArenaMemoryProvider::new_with_size(reserved).map_err(no_memory)?));
-    let mut code = Code { module: ManuallyDrop::new(JITModule::new(builder)), kernels: Vec::new(), number: FxHashMap::default() };
+    let mut code =
+        Code { module: ManuallyDrop::new(JITModule::new(builder)), kernels: Vec::new(), number: FxHashMap::default() };
     let module = &mut *code.module;
 
     let mut fma_signature = module.make_signature();

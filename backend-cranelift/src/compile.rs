@@ -114,8 +114,8 @@ pub(crate) fn kernel(
 
 impl<'p> Unit<'p> {
     fn new(program: &'p Program, kernel: &str, entry: ContId) -> Result<Unit<'p>, Error> {
-        let cfg = Cfg::new(program, &[entry])
-            .map_err(|fault| Error::NotFirstOrder { kernel: kernel.to_owned(), fault })?;
+        let cfg =
+            Cfg::new(program, &[entry]).map_err(|fault| Error::NotFirstOrder { kernel: kernel.to_owned(), fault })?;
         let mut scheduler = Scheduler::new(program);
         let schedules: Vec<_> = cfg.functions.iter().map(|f| scheduler.function(f)).collect();
         let shapes = shapes(program, &cfg, &schedules);
@@ -191,7 +191,8 @@ impl Compiler<'_> {
             fma: (!self.target.fma).then(|| import(&mut clif, HOST, 0, self.fma_signature())),
         };
         let builder = FunctionBuilder::new(&mut clif, &mut self.reused);
-        emit(unit, index, callees, builder, self.target.isa.frontend_config()).map_err(|why| self.fault(&name, &why))?;
+        emit(unit, index, callees, builder, self.target.isa.frontend_config())
+            .map_err(|why| self.fault(&name, &why))?;
         self.machine(name, clif)
     }
 

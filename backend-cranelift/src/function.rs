@@ -6,7 +6,9 @@
 
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::immediates::Ieee32;
-use cranelift_codegen::ir::{Block, BlockArg, FuncRef, InstBuilder, MemFlagsData, StackSlot, StackSlotData, StackSlotKind, Value, types};
+use cranelift_codegen::ir::{
+    Block, BlockArg, FuncRef, InstBuilder, MemFlagsData, StackSlot, StackSlotData, StackSlotKind, Value, types,
+};
 use cranelift_codegen::isa::TargetFrontendConfig;
 use cranelift_frontend::{FunctionBuilder, Switch};
 use jerboa_ir::cfg::{Cfg, Exit, Function};
@@ -295,7 +297,8 @@ impl Emitter<'_> {
         }
         let mut args = args.iter().copied();
         let params = &self.unit.program.cont(cont).params;
-        self.params[number as usize] = params.iter().map(|p| args.by_ref().take(lanes(p.ty).count()).collect()).collect();
+        self.params[number as usize] =
+            params.iter().map(|p| args.by_ref().take(lanes(p.ty).count()).collect()).collect();
     }
 
     /// The block that an arm goes on in.

@@ -61,9 +61,7 @@ impl Buffers {
             let buffer = p.buffer(column.buf);
             let at = column.buf.0 as i32 * BINDING_BYTES;
             let stream = buffer.kind == BufKind::Stream;
-            let start = *words
-                .entry(column.buf)
-                .or_insert_with(|| b.ins().load(POINTER, constant, bindings, at));
+            let start = *words.entry(column.buf).or_insert_with(|| b.ins().load(POINTER, constant, bindings, at));
             let rows = *buffers.rows.entry(column.buf).or_insert_with(|| {
                 let count = b.ins().load(types::I32, constant, bindings, at + ROWS_AT);
                 let one = b.ins().iconst(types::I32, 1);

@@ -144,7 +144,8 @@ impl Cfg {
         let mut next = 0;
         while next < found.len() {
             let (mut function, calls) = Function::new(p, found[next])?;
-            function.calls = calls.iter().map(|(c, tail)| Call { callee: number(*c, &mut found), tail: *tail }).collect();
+            function.calls =
+                calls.iter().map(|(c, tail)| Call { callee: number(*c, &mut found), tail: *tail }).collect();
             function.calls.sort_unstable();
             function.calls.dedup();
             cfg.functions.push(function);
@@ -263,7 +264,8 @@ fn successors(
 ) -> Result<Vec<ContId>, NotFirstOrder> {
     if let Body::Jump { callee, args, .. } = &p.cont(cont).body {
         let foreign = |x: &&NodeId| {
-            let of_function = |c: &ContId, index: &u32| *c == function && *index as usize + 1 == p.cont(function).params.len();
+            let of_function =
+                |c: &ContId, index: &u32| *c == function && *index as usize + 1 == p.cont(function).params.len();
             matches!(p.node(**x), Node::Param { cont, index } if p.ty(**x).params().is_some() && !of_function(cont, index))
         };
         if args.last().iter().chain(&[callee]).any(foreign) {

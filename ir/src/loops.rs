@@ -118,7 +118,10 @@ mod tests {
         // 0 → 1 (outer) → 2 (inner) → 3 → 2 | 4 → 1 | 5
         let l = loops(&[&[1], &[2], &[3], &[2, 4], &[1, 5], &[]]);
         assert_eq!((0..6).map(|b| l.depth(b)).collect::<Vec<_>>(), [0, 1, 2, 2, 1, 0]);
-        assert_eq!((l.header(3), l.header(2), l.outer(2), l.header(4), l.header(5)), (Some(2), Some(2), Some(1), Some(1), None));
+        assert_eq!(
+            (l.header(3), l.header(2), l.outer(2), l.header(4), l.header(5)),
+            (Some(2), Some(2), Some(1), Some(1), None)
+        );
         assert_eq!(l.irreducible(), None);
     }
 

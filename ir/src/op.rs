@@ -226,8 +226,20 @@ impl Op {
             (Op::Div, [F32(a), F32(b)]) => Lit::f32(float(*a) / float(*b)),
             (Op::Rem, [I32(a), I32(b)]) => I32(if *b == 0 { 0 } else { a.wrapping_rem(*b) }),
             (Op::Rem, [U32(a), U32(b)]) => U32(a.checked_rem(*b).unwrap_or(0)),
-            (Op::Min, [a, b]) => if Op::Lt.eval(&[*a, *b]) == Bool(true) { *a } else { *b },
-            (Op::Max, [a, b]) => if Op::Gt.eval(&[*a, *b]) == Bool(true) { *a } else { *b },
+            (Op::Min, [a, b]) => {
+                if Op::Lt.eval(&[*a, *b]) == Bool(true) {
+                    *a
+                } else {
+                    *b
+                }
+            }
+            (Op::Max, [a, b]) => {
+                if Op::Gt.eval(&[*a, *b]) == Bool(true) {
+                    *a
+                } else {
+                    *b
+                }
+            }
             (Op::Neg, [I32(a)]) => I32(a.wrapping_neg()),
             (Op::Neg, [F32(a)]) => Lit::f32(-float(*a)),
             (Op::Abs, [I32(a)]) => I32(a.wrapping_abs()),
@@ -269,7 +281,13 @@ impl Op {
             (Op::Le, [F32(a), F32(b)]) => Bool(float(*a) <= float(*b)),
             (Op::Gt, [a, b]) => Op::Lt.eval(&[*b, *a]),
             (Op::Ge, [a, b]) => Op::Le.eval(&[*b, *a]),
-            (Op::Select, [Bool(c), a, b]) => if *c { *a } else { *b },
+            (Op::Select, [Bool(c), a, b]) => {
+                if *c {
+                    *a
+                } else {
+                    *b
+                }
+            }
             (Op::ToF32, [I32(a)]) => Lit::f32(*a as f32),
             (Op::ToF32, [U32(a)]) => Lit::f32(*a as f32),
             // Rust's `as` saturates and sends NaN to 0.
@@ -283,13 +301,43 @@ impl Op {
             (Op::Ballot, lanes) => U32(lanes.iter().rev().fold(0, |bits, l| bits << 1 | l.word())),
             // No wildcard over `Op`: a new operation must state its meaning above.
             (
-                Op::Add | Op::Sub | Op::Mul | Op::Div | Op::Rem | Op::Min | Op::Max | Op::Neg | Op::Abs | Op::Fma
-                | Op::Absorb | Op::Sqrt | Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::And | Op::Or | Op::Xor
-                | Op::Not | Op::Shl | Op::Shr | Op::Eq | Op::Ne | Op::Lt | Op::Le | Op::Gt | Op::Ge | Op::Select
-                | Op::ToF32 | Op::ToI32 | Op::ToU32 | Op::Bits | Op::FloatOfBits | Op::IntOfBits,
+                Op::Add
+                | Op::Sub
+                | Op::Mul
+                | Op::Div
+                | Op::Rem
+                | Op::Min
+                | Op::Max
+                | Op::Neg
+                | Op::Abs
+                | Op::Fma
+                | Op::Absorb
+                | Op::Sqrt
+                | Op::Floor
+                | Op::Ceil
+                | Op::Trunc
+                | Op::Round
+                | Op::And
+                | Op::Or
+                | Op::Xor
+                | Op::Not
+                | Op::Shl
+                | Op::Shr
+                | Op::Eq
+                | Op::Ne
+                | Op::Lt
+                | Op::Le
+                | Op::Gt
+                | Op::Ge
+                | Op::Select
+                | Op::ToF32
+                | Op::ToI32
+                | Op::ToU32
+                | Op::Bits
+                | Op::FloatOfBits
+                | Op::IntOfBits,
                 _,
             ) => panic!("{} does not take {args:?}", self.name()),
         }
     }
 }
-

@@ -117,7 +117,11 @@ impl Printer<'_> {
             let flat = c != root && matches!(self.p.cont(c).role, Role::Rest | Role::Join);
             let inner = if flat { indent } else { indent + 1 };
             for id in &self.layout.lines[c.index()] {
-                let text = format!("{} = {}", self.names.nodes[id], self.expression(*id, At { root: Some(root), filter: None }));
+                let text = format!(
+                    "{} = {}",
+                    self.names.nodes[id],
+                    self.expression(*id, At { root: Some(root), filter: None })
+                );
                 self.line(inner, text);
             }
             self.line(inner, self.body(&self.p.cont(c).body, root));

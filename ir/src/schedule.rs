@@ -152,10 +152,10 @@ fn place(f: &Function, costly: bool, early: u32, used: &[u32]) -> Vec<u32> {
             continue;
         }
         let arm = |block: &u32| f.dom.child_towards(late, *block);
-        let arms: Vec<(&[u32], u32)> = used.chunk_by(|a, b| arm(a) == arm(b)).map(|part| (part, arm(&part[0]))).collect();
-        let deeper = |(part, top): &(&[u32], u32)| {
-            f.loops.depth(leave_loops(f, common(f, part), *top)) > f.loops.depth(late)
-        };
+        let arms: Vec<(&[u32], u32)> =
+            used.chunk_by(|a, b| arm(a) == arm(b)).map(|part| (part, arm(&part[0]))).collect();
+        let deeper =
+            |(part, top): &(&[u32], u32)| f.loops.depth(leave_loops(f, common(f, part), *top)) > f.loops.depth(late);
         if arms.iter().any(deeper) {
             placed.push(late);
         } else {

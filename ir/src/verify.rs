@@ -113,7 +113,9 @@ impl Verifier<'_> {
         let column = |c: &Column| p.buffers.get(c.buf.index()).is_some_and(|b| (c.col as usize) < b.columns.len());
         for id in (0..nodes as u32).map(NodeId) {
             let mut good = match p.node(id) {
-                Node::Param { cont, index } => p.conts.get(cont.index()).is_some_and(|c| (*index as usize) < c.params.len()),
+                Node::Param { cont, index } => {
+                    p.conts.get(cont.index()).is_some_and(|c| (*index as usize) < c.params.len())
+                }
                 Node::Cont(cont) => cont.index() < conts,
                 Node::Read { column: c, .. } => column(c),
                 Node::Row { table, .. } => table.index() < p.buffers.len(),
@@ -197,7 +199,11 @@ impl Verifier<'_> {
                 if let TyKind::Row(table) = x.ty.kind()
                     && !self.is_table(*table)
                 {
-                    self.fault_at("type", c, format!("{} is a row of no table", x.name.as_deref().unwrap_or("a parameter")));
+                    self.fault_at(
+                        "type",
+                        c,
+                        format!("{} is a row of no table", x.name.as_deref().unwrap_or("a parameter")),
+                    );
                 }
             }
         }

@@ -75,10 +75,19 @@ fun fact(n: u32, return: fn(u32))
 fn what_is_no_residual_is_an_error() {
     let higher_order = [
         ("fun f(g: fn(fn()), return: fn())\n  jump g(return)\n", "it takes a fn(fn())"),
-        ("fun f(c: u32, return: fn())\n  jump x(return, c)\n    label x(k: fn(), i: u32)\n      jump k()\n", "it takes a fn()"),
-        ("fun f(c: u32, return: fn())\n  jump x(return)\n    fun x(k: fn())\n      jump return()\n", "not its function's"),
-        ("table t by rows\n  a: u32 bulk\nfun f(i: u32, return: fn())\n  r = row t i\n  dispatch r -> arm\n    \
-          arm arm(s: row(t))\n      jump return()\n", "it dispatches"),
+        (
+            "fun f(c: u32, return: fn())\n  jump x(return, c)\n    label x(k: fn(), i: u32)\n      jump k()\n",
+            "it takes a fn()",
+        ),
+        (
+            "fun f(c: u32, return: fn())\n  jump x(return)\n    fun x(k: fn())\n      jump return()\n",
+            "not its function's",
+        ),
+        (
+            "table t by rows\n  a: u32 bulk\nfun f(i: u32, return: fn())\n  r = row t i\n  dispatch r -> arm\n    \
+          arm arm(s: row(t))\n      jump return()\n",
+            "it dispatches",
+        ),
     ];
     for (text, why) in higher_order {
         let (buffers, functions) = text.split_at(text.find("fun").expect("there is one"));
@@ -219,9 +228,8 @@ fn random(seed: u64, places: usize) -> Program {
     let mut w = World::new();
     let column = ColumnDecl { name: "x".into(), ty: ColTy::Scalar(Scalar::U32), time: Time::Bulk };
     let kinds = [BufKind::Stream, BufKind::Table { classed: false }];
-    let buffers = kinds.map(|kind| {
-        w.buffer(Buffer { name: "b".into(), kind, layout: Layout::Rows, columns: vec![column.clone()] })
-    });
+    let buffers = kinds
+        .map(|kind| w.buffer(Buffer { name: "b".into(), kind, layout: Layout::Rows, columns: vec![column.clone()] }));
     let columns = buffers.map(|buf| Column { buf, col: 0 });
     let cont = |w: &mut World, role: Role, types: &[Ty]| {
         let params = types.iter().map(|ty| Param { ty: *ty, name: None, keep: false }).collect();

@@ -113,7 +113,8 @@ fn hints_become_unique_words_and_lines_show_on_demand() {
     w.set_body(f, jump(last, &[]), AT);
     w.entry("f", f);
     let p = w.finish();
-    let head = "fun a_function(x: u32, x_2: u32, ray_dir: u32, _2nd: u32, true_: u32, y1: u32, _: u32, keep y2: fn()) @";
+    let head =
+        "fun a_function(x: u32, x_2: u32, ray_dir: u32, _2nd: u32, true_: u32, y1: u32, _: u32, keep y2: fn()) @";
     let line = |text: &str| text.lines().nth(3).unwrap().to_owned();
     assert_eq!(line(&print(&p)), head);
     assert_eq!(line(&print_with(&p, SourceLines::Shown)), format!("{head}  ; at here.rs:3"));
@@ -211,11 +212,17 @@ fn errors_tell_line_and_column() {
         let error = parse(&format!("jerboa-ir 1\n{text}")).expect_err(text);
         format!("{}:{} {}", error.line, error.column, error.what)
     };
-    assert_eq!(parse("jerboa-ir 2\n").unwrap_err().to_string(), "line 1, column 1: a text begins with `jerboa-ir 1`, this one with `jerboa-ir 2`");
+    assert_eq!(
+        parse("jerboa-ir 2\n").unwrap_err().to_string(),
+        "line 1, column 1: a text begins with `jerboa-ir 1`, this one with `jerboa-ir 2`"
+    );
     assert_eq!(at("fun f(x: f64) @\n"), "2:10 `f64` is no type");
     assert_eq!(at("fun f(x: f32) @\n"), "2:1 this continuation has no jump");
     assert_eq!(at("fun f(x: f32) @\n  y = add x 1u\n  unset\n"), "3:7 add does not take [f32, u32]");
-    assert_eq!(at("fun f(x: f32) @\n  y = add x 1\n  unset\n"), "3:13 `1` is neither a name nor a literal (`2i`, `2u`, `2.0`)");
+    assert_eq!(
+        at("fun f(x: f32) @\n  y = add x 1\n  unset\n"),
+        "3:13 `1` is neither a name nor a literal (`2i`, `2u`, `2.0`)"
+    );
     assert_eq!(at("fun f(x: f32) @\n  y = add x z\n  unset\n"), "3:13 this name is not known here");
     assert_eq!(at("fun f(x: f32, x: f32) @\n  unset\n"), "2:5 a second `x` among the parameters and names here");
     assert_eq!(at("fun f() @\n  unset\n  unset\n"), "4:3 no continuation waits for a jump here");

@@ -23,12 +23,27 @@ fn find(p: &Program, is: impl Fn(&Node) -> bool) -> usize {
 fn number() {
     let spoil: [fn(&mut Program); 8] = [
         |p| p.types.truncate(1),
-        |p| p.nodes.iter_mut().for_each(|n| if let Node::Prim { args, .. } = n { args[0] = NodeId(99) }),
-        |p| p.nodes.iter_mut().for_each(|n| if let Node::Param { index, .. } = n { *index = 2 }),
+        |p| {
+            p.nodes.iter_mut().for_each(|n| {
+                if let Node::Prim { args, .. } = n {
+                    args[0] = NodeId(99)
+                }
+            })
+        },
+        |p| {
+            p.nodes.iter_mut().for_each(|n| {
+                if let Node::Param { index, .. } = n {
+                    *index = 2
+                }
+            })
+        },
         |p| p.nodes[0] = Node::Cont(ContId(1)),
         |p| p.nodes[0] = Node::Read { column: Column { buf: BufId(0), col: 1 }, index: NodeId(0) },
         |p| p.conts[0].filter = NodeId::NONE,
-        |p| p.conts[0].body = Body::Load { mem: Mem::Stream(Column { buf: BufId(3), col: 0 }), index: NodeId(0), next: NodeId(0) },
+        |p| {
+            p.conts[0].body =
+                Body::Load { mem: Mem::Stream(Column { buf: BufId(3), col: 0 }), index: NodeId(0), next: NodeId(0) }
+        },
         |p| p.entries[0].1 = ContId(1),
     ];
     for (i, spoil) in spoil.iter().enumerate() {

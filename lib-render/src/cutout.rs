@@ -25,14 +25,7 @@ pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
 ///
 /// Mask: where alpha ≥ the cutoff. Blend: with probability alpha, by a number that depends on pixel and sample (the key of
 /// `rng`), path vertex and primitive alone, so that every traversal order sees the same holes (Law 9).
-pub fn is_there(
-    b: &mut Block,
-    row: Row<Materials>,
-    uv: [Vec2; 2],
-    rng: Rng,
-    vertex: U32,
-    primitive: U32,
-) -> Bool {
+pub fn is_there(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2], rng: Rng, vertex: U32, primitive: U32) -> Bool {
     let mode = row.get(Materials::ALPHA_MODE);
     b.if_(
         mode.eq(ALPHA_OPAQUE),

@@ -44,12 +44,7 @@ fn transform(b: &mut Block, row: Row<Textures>, uv: Vec2) -> Vec2 {
     let line = |m0, m1, m2| get(m0) * uv.x + get(m1) * uv.y + get(m2);
     b.if_(
         row.get(Textures::TRANSFORMED),
-        |_| {
-            vec2(
-                line(Textures::M00, Textures::M01, Textures::M02),
-                line(Textures::M10, Textures::M11, Textures::M12),
-            )
-        },
+        |_| vec2(line(Textures::M00, Textures::M01, Textures::M02), line(Textures::M10, Textures::M11, Textures::M12)),
         |_| uv,
     )
 }

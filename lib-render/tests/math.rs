@@ -62,13 +62,7 @@ fn check(name: &str, args: &[f32], f: impl Fn(F32) -> F32, truth: impl Fn(f64) -
 
 /// As [`check`], with two arguments.
 #[track_caller]
-fn check2(
-    name: &str,
-    args: &[(f32, f32)],
-    f: impl Fn(F32, F32) -> F32,
-    truth: impl Fn(f64, f64) -> f64,
-    bound: f64,
-) {
+fn check2(name: &str, args: &[(f32, f32)], f: impl Fn(F32, F32) -> F32, truth: impl Fn(f64, f64) -> f64, bound: f64) {
     let error = |(got, (x, y)): (f32, &(f32, f32))| (ulps(got, truth((*x).into(), (*y).into())), *x, *y);
     let errors = fold(args, f).into_iter().zip(args).map(error);
     let (worst, x, y) = errors.fold((0.0, 0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
@@ -117,7 +111,8 @@ fn inverse_functions() {
     let circle: Vec<(f32, f32)> = spread(20_000, -3.2, 3.2).iter().map(|a| (a.sin(), a.cos())).collect();
     check2("atan2 on the circle", &circle, atan2, f64::atan2, 2.7);
     let inf = f32::INFINITY;
-    let special = [(0.0, 1.0), (-0.0, 1.0), (0.0, -1.0), (-0.0, -0.0), (1.0, 0.0), (inf, inf), (1.0, -inf), (-inf, 1.0)];
+    let special =
+        [(0.0, 1.0), (-0.0, 1.0), (0.0, -1.0), (-0.0, -0.0), (1.0, 0.0), (inf, inf), (1.0, -inf), (-inf, 1.0)];
     let expected = [0.0, -0.0, PI, -PI, FRAC_PI_2, FRAC_PI_4, PI, -FRAC_PI_2];
     let got = fold(&special, atan2);
     assert_eq!(got.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), expected.map(f32::to_bits), "{got:?}");
@@ -165,11 +160,23 @@ fn powers() {
         .filter(|(x, y)| y.abs() < 1e30 && (f64::from(*y) * f64::from(*x).log2()).abs() < 126.0)
         .collect();
     check2("pow", &pairs, pow, f64::powf, 1.7);
-    let near: Vec<(f32, f32)> =
-        spread(300, 0.9, 1.1).into_iter().flat_map(|x| spread(50, -800.0, 800.0).into_iter().map(move |y| (x, y))).collect();
+    let near: Vec<(f32, f32)> = spread(300, 0.9, 1.1)
+        .into_iter()
+        .flat_map(|x| spread(50, -800.0, 800.0).into_iter().map(move |y| (x, y)))
+        .collect();
     check2("pow near 1", &near, pow, f64::powf, 1.7);
     let (inf, nan) = (f32::INFINITY, f32::NAN);
-    let special = [(0.0, 0.0), (nan, 0.0), (0.0, 2.0), (0.0, -2.0), (inf, 2.0), (inf, -2.0), (2.0, inf), (2.0, -inf), (1.0, 1e38)];
+    let special = [
+        (0.0, 0.0),
+        (nan, 0.0),
+        (0.0, 2.0),
+        (0.0, -2.0),
+        (inf, 2.0),
+        (inf, -2.0),
+        (2.0, inf),
+        (2.0, -inf),
+        (1.0, 1e38),
+    ];
     assert_eq!(fold(&special, pow), [1.0, 1.0, 0.0, inf, inf, 0.0, inf, 0.0, 1.0]);
     assert!(fold(&[(-1.0, 2.0), (nan, 1.0), (2.0, nan)], pow).iter().all(|y| y.is_nan()));
 }
@@ -200,9 +207,21 @@ fn fresnel() {
             assert!((f64::from(r) - expected).abs() <= bound, "eta {eta}, cos {cos:e}: {r}, not {expected}");
         }
     }
-    assert!(fold(&cosines.iter().map(|c| (*c, 1.0)).collect::<Vec<_>>(), fresnel_dielectric).iter().all(|r| *r <= 1e-7));
+    assert!(
+        fold(&cosines.iter().map(|c| (*c, 1.0)).collect::<Vec<_>>(), fresnel_dielectric).iter().all(|r| *r <= 1e-7)
+    );
     let third = 1.0 / 1.5;
-    let table = [(1.0, 1.5), (0.5, 1.5), (0.1, 1.5), (0.01, 1.5), (1e-4, 1.5), (1.0, third), (0.9, third), (0.75, third), (0.5, third)];
+    let table = [
+        (1.0, 1.5),
+        (0.5, 1.5),
+        (0.1, 1.5),
+        (0.01, 1.5),
+        (1e-4, 1.5),
+        (1.0, third),
+        (0.9, third),
+        (0.75, third),
+        (0.5, third),
+    ];
     let expected = [0.04, 0.089_186_71, 0.571_592_5, 0.943_752_5, 0.999_418_8, 0.04, 0.046_332_65, 0.5, 1.0];
     for (got, expected) in fold(&table, fresnel_dielectric).iter().zip(expected) {
         assert!((got - expected).abs() <= 1e-6, "{got}, not {expected}");
@@ -222,10 +241,14 @@ fn frames() {
         normals.push([t * phi.cos(), t * phi.sin(), -(1.0 - t * t).sqrt()]);
     }
     for [x, y, z] in normals {
-        let part = |pick: fn(Vec3, Vec3) -> F32| f64::from(fold1(&[0.0], |_| {
-            let (s, t) = onb(vec3(x, y, z));
-            pick(s, t)
-        })[0]);
+        let part = |pick: fn(Vec3, Vec3) -> F32| {
+            f64::from(
+                fold1(&[0.0], |_| {
+                    let (s, t) = onb(vec3(x, y, z));
+                    pick(s, t)
+                })[0],
+            )
+        };
         let s = [part(|s, _| s.x), part(|s, _| s.y), part(|s, _| s.z)];
         let t = [part(|_, t| t.x), part(|_, t| t.y), part(|_, t| t.z)];
         let n = [x, y, z].map(f64::from);
@@ -263,10 +286,26 @@ fn warps() {
         let got = values.iter().sum::<f32>() / values.len() as f32;
         assert!((got - mean).abs() < 0.02, "{got}, not {mean}");
     };
-    inside(|u, v| { let d = concentric_disk(vec2(u, v)); d.x * d.x + d.y * d.y }, 0.0, 1.000_001, 0.5);
+    inside(
+        |u, v| {
+            let d = concentric_disk(vec2(u, v));
+            d.x * d.x + d.y * d.y
+        },
+        0.0,
+        1.000_001,
+        0.5,
+    );
     inside(|u, v| cosine_hemisphere(vec2(u, v)).z, 0.0, 1.0, 2.0 / 3.0);
     inside(|u, v| uniform_triangle(vec2(u, v)).x, 0.0, 1.0, 1.0 / 3.0);
-    inside(|u, v| { let w = uniform_triangle(vec2(u, v)); w.x + w.y }, 0.0, 1.0, 2.0 / 3.0);
+    inside(
+        |u, v| {
+            let w = uniform_triangle(vec2(u, v));
+            w.x + w.y
+        },
+        0.0,
+        1.0,
+        2.0 / 3.0,
+    );
     inside(|u, v| uniform_sphere(vec2(u, v)).z, -1.0, 1.0, 0.0);
     inside(|u, v| uniform_sphere(vec2(u, v)).length2(), 0.999_999, 1.000_001, 1.0);
     inside(|u, v| 1.0 - uniform_cone(vec2(u, v), 0.1.into()).z, 0.0, 0.100_001, 0.05);

@@ -41,9 +41,13 @@ pub enum Event {
 impl std::fmt::Display for Event {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Event::Unfoldings(name) => write!(f, "`{name}` is unfolded no more: its calls stay, and known scalars become parameters"),
+            Event::Unfoldings(name) => {
+                write!(f, "`{name}` is unfolded no more: its calls stay, and known scalars become parameters")
+            }
             Event::Size => f.write_str("the residual is large: from here on every call stays"),
-            Event::Classes(table, n) => write!(f, "`{table}` has {n} classes: too many to run a dispatch once for each"),
+            Event::Classes(table, n) => {
+                write!(f, "`{table}` has {n} classes: too many to run a dispatch once for each")
+            }
         }
     }
 }

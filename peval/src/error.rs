@@ -81,7 +81,9 @@ impl fmt::Display for Error {
             if words.is_empty() { "the entry".into() } else { words.join(" → ") }
         };
         match self {
-            Error::NoEntry { name, entries } => write!(f, "there is no entry `{name}`; there are: {}", entries.join(", ")),
+            Error::NoEntry { name, entries } => {
+                write!(f, "there is no entry `{name}`; there are: {}", entries.join(", "))
+            }
             Error::Arguments { entry, why } => write!(f, "entry `{entry}`: {why}"),
             Error::ClosuresMeet { join, first, second } => write!(
                 f,

@@ -50,8 +50,16 @@ impl Frames {
     /// The root frame alone.
     pub fn new(scope: &Scope) -> Frames {
         let none = ContId(u32::MAX);
-        let root =
-            Frame { cont: none, parent: ROOT, jump: ROOT, level: 0, args: 0, cells: 0, trail: TrailId::NONE, next: None };
+        let root = Frame {
+            cont: none,
+            parent: ROOT,
+            jump: ROOT,
+            level: 0,
+            args: 0,
+            cells: 0,
+            trail: TrailId::NONE,
+            next: None,
+        };
         let cells = vec![Value::Nothing; scope.constants as usize];
         Frames { frames: vec![root], args: Vec::new(), cells, index: FxHashMap::default() }
     }

@@ -206,7 +206,9 @@ fn begin(m: &mut Machine<'_>, entry: &str, args: &[Arg]) -> Result<(), Error> {
         let mut types: Vec<Ty> = Vec::new();
         let fits = match (arg, formal.ty.kind()) {
             (Arg::Known(lit), _) => lit.ty() == formal.ty,
-            (Arg::Class(class), TyKind::Row(table)) if *class < m.facts.classes(*table) => lift::flat(formal.ty, &mut types),
+            (Arg::Class(class), TyKind::Row(table)) if *class < m.facts.classes(*table) => {
+                lift::flat(formal.ty, &mut types)
+            }
             (Arg::Class(_), _) => false,
             (Arg::Unknown, _) => lift::flat(formal.ty, &mut types),
         };

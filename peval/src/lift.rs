@@ -67,7 +67,8 @@ impl Machine<'_> {
     ) -> Result<Option<Step>, Error> {
         let p = self.p;
         let cont = p.cont(c);
-        let Some(ret_ty) = cont.params.last().and_then(|last| return_ty(last.ty)).filter(|_| cont.role == Role::Fun) else {
+        let Some(ret_ty) = cont.params.last().and_then(|last| return_ty(last.ty)).filter(|_| cont.role == Role::Fun)
+        else {
             return Ok(None);
         };
         let (ret, args) = args.split_last().expect("a function has a return");
@@ -221,7 +222,9 @@ impl Machine<'_> {
             }
             lift.key.push(c.0);
             for free in &self.scope.free[c.index()] {
-                let Node::Param { cont, index } = *self.p.node(*free) else { unreachable!("free variables are parameters") };
+                let Node::Param { cont, index } = *self.p.node(*free) else {
+                    unreachable!("free variables are parameters")
+                };
                 let frame = self.frame_of(cont, f);
                 let value = self.frames.arg(frame, index);
                 lift.reached.insert((frame, index), value);

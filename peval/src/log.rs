@@ -166,7 +166,8 @@ impl Machine<'_> {
             match program.node(node) {
                 Node::Param { cont, index } => return self.source_of_param(*cont, *index as usize),
                 Node::Read { column, .. } => {
-                    let name = format!("a read of {}.{}", program.buffer(column.buf).name, program.column(*column).name);
+                    let name =
+                        format!("a read of {}.{}", program.buffer(column.buf).name, program.column(*column).name);
                     return (name, program.locs[node.index()]);
                 }
                 _ => {}

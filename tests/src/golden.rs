@@ -182,8 +182,7 @@ fn residual(input: Input) -> Result<String, String> {
     let arg = |word: &&str| if *word == "?" { Ok(Arg::Unknown) } else { lit(word).map(Arg::Known) };
     let args: Vec<Arg> = args.iter().map(arg).collect::<Result<_, _>>()?;
     let generic = Generic::new(input.program);
-    let residual =
-        specialize(&generic, name, &args, &Facts::none(), &Options::default()).map_err(|e| e.to_string())?;
+    let residual = specialize(&generic, name, &args, &Facts::none(), &Options::default()).map_err(|e| e.to_string())?;
     let text = print(&residual.program);
     let faults = verify_residual(&residual.program);
     sound(faults).map_err(|faults| format!("{faults}{text}"))?;
@@ -226,7 +225,10 @@ mod tests {
     #[test]
     fn a_difference_shows_its_lines_only() {
         let difference = difference("a\nb\nc\nd\ne\n", "a\nb\nx\nd\ne\n");
-        assert_eq!(difference, "line 3 on (- in the file, + now; BLESS=1 accepts what is now)\n    a\n    b\n  - c\n  + x\n    d\n    e\n");
+        assert_eq!(
+            difference,
+            "line 3 on (- in the file, + now; BLESS=1 accepts what is now)\n    a\n    b\n  - c\n  + x\n    d\n    e\n"
+        );
     }
 
     #[test]

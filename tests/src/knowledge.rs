@@ -72,7 +72,9 @@ fn partition(b: usize, decl: &Buffer, memory: &[Memory], classes: &[Vec<u32>], l
             let word = memory[b].words[decl.word(rows, row, col)];
             match c.ty {
                 ColTy::Scalar(_) => key.push(word),
-                ColTy::Ref(to) => key.extend([class_of(&classes[to.index()], word), if level == Level::All { word } else { 0 }]),
+                ColTy::Ref(to) => {
+                    key.extend([class_of(&classes[to.index()], word), if level == Level::All { word } else { 0 }])
+                }
             }
         }
         let next = numbers.len() as u32;

@@ -153,7 +153,8 @@ impl<'c> Trial<'c> {
         let main = residual.entry("main").expect("the residual has the entry");
         for opt in [cranelift::Opt::None, cranelift::Opt::Speed] {
             let options = cranelift::Options { opt, verify: true, dumps: false };
-            let code = cranelift::compile(&[residual], &options).map_err(|e| format!("back end: {e}\n{}", print(residual)))?;
+            let code =
+                cranelift::compile(&[residual], &options).map_err(|e| format!("back end: {e}\n{}", print(residual)))?;
             let kernel = code.kernel("main").expect("main is compiled");
             self.compare(&format!("machine code ({opt:?})"), residual, |args| {
                 let mut memory = self.memory.clone();

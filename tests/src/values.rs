@@ -21,7 +21,7 @@ pub const FLOATS: [f32; 31] = [
     8_388_607.5,  // the largest number with a fraction
     16_777_215.0, // 2^24 − 1
     16_777_216.0,
-    16_777_218.0, // the float after 2^24
+    16_777_218.0,    // the float after 2^24
     2_147_483_520.0, // the float before 2^31
     2_147_483_648.0,
     -2_147_483_648.0,
@@ -41,24 +41,8 @@ pub const FLOATS: [f32; 31] = [
 ];
 
 /// Signed integers: the ends, and where floats stop being exact.
-pub const SIGNED: [i32; 16] = [
-    0,
-    1,
-    -1,
-    2,
-    -2,
-    7,
-    31,
-    32,
-    -7,
-    16_777_215,
-    16_777_216,
-    16_777_217,
-    -16_777_217,
-    i32::MAX,
-    i32::MIN,
-    i32::MIN + 1,
-];
+pub const SIGNED: [i32; 16] =
+    [0, 1, -1, 2, -2, 7, 31, 32, -7, 16_777_215, 16_777_216, 16_777_217, -16_777_217, i32::MAX, i32::MIN, i32::MIN + 1];
 
 /// Unsigned integers: the ends, shift amounts around 32, the bits of infinities and of NaN of all kinds.
 pub const UNSIGNED: [u32; 20] = [

@@ -37,7 +37,12 @@ impl Classic {
             }
         }
         let again = vec![Arg::Unknown; self.known.iter().filter(|k| k.is_none()).count()];
-        assert_eq!(print(&self.specialize(&residual, &again, None)), print(&residual), "{}: specialised again", self.name);
+        assert_eq!(
+            print(&self.specialize(&residual, &again, None)),
+            print(&residual),
+            "{}: specialised again",
+            self.name
+        );
         residual
     }
 
@@ -143,22 +148,26 @@ fn power_of_unknown_stays_a_call() {
 #[test]
 fn ackermann_has_one_function_per_known_argument() {
     let program = build(|| {
-        let ack = Fun::<(Keep<I32>, I32), I32>::rec("ack", |_| never(), |b, ack, (Keep(m), n)| {
-            b.if_(
-                m.eq(0),
-                |_| n + 1,
-                |b| {
-                    b.if_(
-                        n.eq(0),
-                        |b| ack.call(b, (Keep(m - 1), 1.into())),
-                        |b| {
-                            let inner = ack.call(b, (Keep(m), n - 1));
-                            ack.call(b, (Keep(m - 1), inner))
-                        },
-                    )
-                },
-            )
-        });
+        let ack = Fun::<(Keep<I32>, I32), I32>::rec(
+            "ack",
+            |_| never(),
+            |b, ack, (Keep(m), n)| {
+                b.if_(
+                    m.eq(0),
+                    |_| n + 1,
+                    |b| {
+                        b.if_(
+                            n.eq(0),
+                            |b| ack.call(b, (Keep(m - 1), 1.into())),
+                            |b| {
+                                let inner = ack.call(b, (Keep(m), n - 1));
+                                ack.call(b, (Keep(m - 1), inner))
+                            },
+                        )
+                    },
+                )
+            },
+        );
         entry("main", Fun::<(I32, I32), I32>::lam(|b, (m, n)| ack.call(b, (Keep(m), n))));
     });
     let shows = "ack(2, n) with m kept: one residual function for each m, none of which tests m";
@@ -169,9 +178,12 @@ fn ackermann_has_one_function_per_known_argument() {
 /// x·Σ i for i in 0..n, by a loop that unrolls where its bounds are known.
 fn sum() -> Program {
     build(|| {
-        entry("main", Fun::<(I32, I32), I32>::lam(|b, (n, x)| {
-            b.for_(range(0, n).unroll(), 0.into(), |_, i, sum: I32| sum + i * x)
-        }));
+        entry(
+            "main",
+            Fun::<(I32, I32), I32>::lam(|b, (n, x)| {
+                b.for_(range(0, n).unroll(), 0.into(), |_, i, sum: I32| sum + i * x)
+            }),
+        );
     })
 }
 
@@ -192,10 +204,13 @@ fn a_range_with_an_unknown_bound_is_a_loop() {
 #[test]
 fn two_loops_follow_each_other() {
     let program = build(|| {
-        entry("main", Fun::<I32, I32>::lam(|b, n| {
-            let first = b.for_(range(0, n), 1.into(), |_, i, acc: I32| acc * 3 + i);
-            b.for_(range(0, 3).unroll(), first, |_, i, acc: I32| acc - i)
-        }));
+        entry(
+            "main",
+            Fun::<I32, I32>::lam(|b, n| {
+                let first = b.for_(range(0, n), 1.into(), |_, i, acc: I32| acc * 3 + i);
+                b.for_(range(0, 3).unroll(), first, |_, i, acc: I32| acc - i)
+            }),
+        );
     });
     let shows = "a loop that stays, then one that unrolls";
     Classic { name: "two-loops", shows, program, known: vec![None] }.check(&each(0..9));
@@ -204,14 +219,17 @@ fn two_loops_follow_each_other() {
 #[test]
 fn an_exit_leaves_both_loops() {
     let program = build(|| {
-        entry("main", Fun::<(I32, I32), I32>::lam(|b, (n, most)| {
-            b.label(|b, found: Exit<I32>| {
-                b.for_(range(0, n), (), |b, i, ()| {
-                    b.for_(range(0, i), (), |b, j, ()| b.when((i * j).gt(most), |b| found.take(b, i * 100 + j)));
-                });
-                I32::from(-1)
-            })
-        }));
+        entry(
+            "main",
+            Fun::<(I32, I32), I32>::lam(|b, (n, most)| {
+                b.label(|b, found: Exit<I32>| {
+                    b.for_(range(0, n), (), |b, i, ()| {
+                        b.for_(range(0, i), (), |b, j, ()| b.when((i * j).gt(most), |b| found.take(b, i * 100 + j)));
+                    });
+                    I32::from(-1)
+                })
+            }),
+        );
     });
     let shows = "an exit inside two loops returns from the whole function: no flag, no closure";
     let classic = Classic { name: "multi-level-break", shows, program, known: vec![None, int(7)] };
@@ -226,13 +244,16 @@ fn safe_division_has_an_error_exit() {
             b.when(y.eq(0), |b| error.take(b, x));
             x / y
         });
-        entry("main", Fun::<(I32, I32), I32>::lam(|b, (x, y)| {
-            b.label(|b, error: Exit<I32>| {
-                let first = safe_div.call(b, (x, y, error));
-                let second = safe_div.call(b, (first, 3.into(), error));
-                second + safe_div.call(b, (second, y, error))
-            })
-        }));
+        entry(
+            "main",
+            Fun::<(I32, I32), I32>::lam(|b, (x, y)| {
+                b.label(|b, error: Exit<I32>| {
+                    let first = safe_div.call(b, (x, y, error));
+                    let second = safe_div.call(b, (first, 3.into(), error));
+                    second + safe_div.call(b, (second, y, error))
+                })
+            }),
+        );
     });
     let shows = "safe_div's error is an exit: a jump where the divisor is unknown, nothing where it is known";
     let inputs: Vec<Vec<Lit>> = (-3..4).flat_map(|x| (-3..4).map(move |y| ints(&[x * 100, y]))).collect();
@@ -245,32 +266,33 @@ fn a_sorting_network_has_no_array() {
     type Array = Fun<I32, I32>;
     let program = build(|| {
         let put = |a: Array, at: I32, x: I32, y: I32| {
-            Array::lam(move |b, i| {
-                b.if_(i.eq(at), |_| x, |b| b.if_(i.eq(at + 1), |_| y, |b| a.call(b, i)))
-            })
+            Array::lam(move |b, i| b.if_(i.eq(at), |_| x, |b| b.if_(i.eq(at + 1), |_| y, |b| a.call(b, i))))
         };
-        entry("main", Fun::<(I32, I32, I32, I32), I32>::lam(|b, (p, q, r, s)| {
-            let input = Array::lam(move |b, i| {
-                b.if_(i.eq(0), |_| p, |b| b.if_(i.eq(1), |_| q, |b| b.if_(i.eq(2), |_| r, |_| s)))
-            });
-            let sorted = b.for_(range(0, 4).unroll(), input, |b, round, a| {
-                b.for_(range(0, 2).unroll(), a, |b, k, a| {
-                    let at = k * 2 + round % 2;
-                    b.if_(
-                        at.lt(3),
-                        |b| {
-                            let (x, y) = (a.call(b, at), a.call(b, at + 1));
-                            put(a, at, x.min(y), x.max(y))
-                        },
-                        |_| a,
-                    )
-                })
-            });
-            let digit = |b: &mut Block, i: i32| sorted.call(b, i.into());
-            let (first, second) = (digit(b, 0), digit(b, 1));
-            let (third, fourth) = (digit(b, 2), digit(b, 3));
-            ((first * 10 + second) * 10 + third) * 10 + fourth
-        }));
+        entry(
+            "main",
+            Fun::<(I32, I32, I32, I32), I32>::lam(|b, (p, q, r, s)| {
+                let input = Array::lam(move |b, i| {
+                    b.if_(i.eq(0), |_| p, |b| b.if_(i.eq(1), |_| q, |b| b.if_(i.eq(2), |_| r, |_| s)))
+                });
+                let sorted = b.for_(range(0, 4).unroll(), input, |b, round, a| {
+                    b.for_(range(0, 2).unroll(), a, |b, k, a| {
+                        let at = k * 2 + round % 2;
+                        b.if_(
+                            at.lt(3),
+                            |b| {
+                                let (x, y) = (a.call(b, at), a.call(b, at + 1));
+                                put(a, at, x.min(y), x.max(y))
+                            },
+                            |_| a,
+                        )
+                    })
+                });
+                let digit = |b: &mut Block, i: i32| sorted.call(b, i.into());
+                let (first, second) = (digit(b, 0), digit(b, 1));
+                let (third, fourth) = (digit(b, 2), digit(b, 3));
+                ((first * 10 + second) * 10 + third) * 10 + fourth
+            }),
+        );
     });
     let shows = "a sorting network: six comparators, no array, no loop";
     let inputs: Vec<Vec<Lit>> = (0..256).map(|k| ints(&[k & 3, k >> 2 & 3, k >> 4 & 3, k >> 6])).collect();
@@ -319,15 +341,19 @@ fn a_known_stack_is_stores() {
 #[test]
 fn logic_operators_take_what_they_need() {
     let program = build(|| {
-        let and = Fun::<(Bool, Fun<(), Bool>), Bool>::lam(|b, (x, y)| b.if_(x, |b| y.call(b, ()), |_| Bool::from(false)));
+        let and =
+            Fun::<(Bool, Fun<(), Bool>), Bool>::lam(|b, (x, y)| b.if_(x, |b| y.call(b, ()), |_| Bool::from(false)));
         let or = Fun::<(Bool, Fun<(), Bool>), Bool>::lam(|b, (x, y)| b.if_(x, |_| Bool::from(true), |b| y.call(b, ())));
-        entry("main", Fun::<(I32, I32, Bool), Bool>::lam(|b, (x, y, deep)| {
-            let fits = Fun::<(), Bool>::lam(move |_, ()| (x / y).gt(2));
-            let nonzero = and.call(b, (y.ne(0), fits));
-            let rest = Fun::<(), Bool>::lam(move |_, ()| nonzero);
-            let gate = Fun::<(), Bool>::lam(move |b, ()| or.call(b, (y.gt(100), rest)));
-            and.call(b, (deep, gate))
-        }));
+        entry(
+            "main",
+            Fun::<(I32, I32, Bool), Bool>::lam(|b, (x, y, deep)| {
+                let fits = Fun::<(), Bool>::lam(move |_, ()| (x / y).gt(2));
+                let nonzero = and.call(b, (y.ne(0), fits));
+                let rest = Fun::<(), Bool>::lam(move |_, ()| nonzero);
+                let gate = Fun::<(), Bool>::lam(move |b, ()| or.call(b, (y.gt(100), rest)));
+                and.call(b, (deep, gate))
+            }),
+        );
     });
     let shows = "`and` and `or` with lazy right sides: the division stays behind its test";
     let inputs: Vec<Vec<Lit>> = (0..40).map(|k| ints(&[k * 17, k % 7])).collect();
@@ -352,20 +378,30 @@ fn an_interpreter_becomes_a_compiler() {
             )
         });
         type State = (Keep<I32>, I32, I32, I32);
-        let run = Fun::<State, I32>::rec("run", |_| never(), |b, run, (Keep(pc), x, n, acc)| {
-            let (op, operand) = fetch.call(b, pc);
-            let next = Keep(pc + 1);
-            b.switch(
-                op.bits(),
-                &[
-                    (0, &|b| b.if_(n.le(0), |b| run.call(b, (Keep(operand), x, n, acc)), |b| run.call(b, (next, x, n, acc)))),
-                    (1, &|b| run.call(b, (next, x, n, acc * x))),
-                    (2, &|b| run.call(b, (next, x, n - operand, acc))),
-                    (3, &|b| run.call(b, (Keep(operand), x, n, acc))),
-                ],
-                |_| acc,
-            )
-        });
+        let run = Fun::<State, I32>::rec(
+            "run",
+            |_| never(),
+            |b, run, (Keep(pc), x, n, acc)| {
+                let (op, operand) = fetch.call(b, pc);
+                let next = Keep(pc + 1);
+                b.switch(
+                    op.bits(),
+                    &[
+                        (0, &|b| {
+                            b.if_(
+                                n.le(0),
+                                |b| run.call(b, (Keep(operand), x, n, acc)),
+                                |b| run.call(b, (next, x, n, acc)),
+                            )
+                        }),
+                        (1, &|b| run.call(b, (next, x, n, acc * x))),
+                        (2, &|b| run.call(b, (next, x, n - operand, acc))),
+                        (3, &|b| run.call(b, (Keep(operand), x, n, acc))),
+                    ],
+                    |_| acc,
+                )
+            },
+        );
         entry("main", Fun::<(I32, I32), I32>::lam(|b, (x, n)| run.call(b, (Keep(0.into()), x, n, 1.into()))));
     });
     let shows = "the first Futamura projection: an interpreter and its program become one loop with one multiplication";

@@ -56,7 +56,9 @@ fn cases(form: &Form, lanes: usize) -> Vec<Vec<Lit>> {
         product = product.iter().flat_map(|head| specials(s).into_iter().map(|x| [&head[..], &[x]].concat())).collect();
     }
     let lane = |case: usize, l: usize| &product[(case + l * 7) % product.len()];
-    let case = |i: usize| (0..form.args.len()).flat_map(|arg| (0..lanes).map(|l| lane(i, l)[arg]).collect::<Vec<_>>()).collect();
+    let case = |i: usize| {
+        (0..form.args.len()).flat_map(|arg| (0..lanes).map(|l| lane(i, l)[arg]).collect::<Vec<_>>()).collect()
+    };
     (0..product.len()).map(case).collect()
 }
 
@@ -164,7 +166,8 @@ impl Engine for Machine {
         let program = residual(&generic, &vec![Arg::Unknown; form.args.len()]);
         let options = cranelift::Options { opt: self.0, verify: true, dumps: false };
         let code = cranelift::compile(&[&program], &options).expect("it compiles");
-        let (kernel, main) = (code.kernel("main").expect("main is compiled"), program.entry("main").expect("there is a main"));
+        let (kernel, main) =
+            (code.kernel("main").expect("main is compiled"), program.entry("main").expect("there is a main"));
         cases.iter().map(|case| call(kernel, &program, main, case, &mut []).expect("it runs")).collect()
     }
 }
@@ -211,17 +214,28 @@ fn folding_in_part_changes_no_bit() {
                 };
                 let folded = program_of(&form, fold);
                 for (case, result) in cases.iter().zip(&results).filter(|(case, _)| case[position] == known) {
-                    assert_eq!(interpret(&folded, std::slice::from_ref(case))[0], *result, "{} of {case:?}", form.op.name());
+                    assert_eq!(
+                        interpret(&folded, std::slice::from_ref(case))[0],
+                        *result,
+                        "{} of {case:?}",
+                        form.op.name()
+                    );
                 }
             }
         }
         let first_again = program_of(&form, |w, args| {
-            let same: Vec<NodeId> = args.iter().map(|a| if w.program().ty(*a) == form.args[0] { args[0] } else { *a }).collect();
+            let same: Vec<NodeId> =
+                args.iter().map(|a| if w.program().ty(*a) == form.args[0] { args[0] } else { *a }).collect();
             w.prim(form.op, &same, Loc::NONE)
         });
         for case in &cases {
             let same: Vec<Lit> = case.iter().map(|x| if x.ty() == form.args[0] { case[0] } else { *x }).collect();
-            assert_eq!(interpret(&first_again, std::slice::from_ref(case))[0], [form.op.eval(&same)], "{} of {same:?}", form.op.name());
+            assert_eq!(
+                interpret(&first_again, std::slice::from_ref(case))[0],
+                [form.op.eval(&same)],
+                "{} of {same:?}",
+                form.op.name()
+            );
         }
         if form.args == [form.result] {
             let twice = program_of(&form, |w, args| {
@@ -230,7 +244,12 @@ fn folding_in_part_changes_no_bit() {
             });
             for case in &cases {
                 let expected = form.op.eval(&[form.op.eval(case)]);
-                assert_eq!(interpret(&twice, std::slice::from_ref(case))[0], [expected], "{} twice of {case:?}", form.op.name());
+                assert_eq!(
+                    interpret(&twice, std::slice::from_ref(case))[0],
+                    [expected],
+                    "{} twice of {case:?}",
+                    form.op.name()
+                );
             }
         }
     }

@@ -118,14 +118,19 @@ jerboa_ir::stream! {
 fn a_dynamic_higher_order_function() {
     let author = |filter: fn() -> Bool| {
         move || {
-            let f = Fun::<(I32, Unary), I32>::rec("wrap", move |_| filter(), |b, f, (n, g)| {
-                b.if_(n.le(0), |b| g.call(b, n), |b| f.call(b, (n - 1, Fun::lam(move |b, x| g.call(b, x + n)))))
-            });
+            let f = Fun::<(I32, Unary), I32>::rec(
+                "wrap",
+                move |_| filter(),
+                |b, f, (n, g)| {
+                    b.if_(n.le(0), |b| g.call(b, n), |b| f.call(b, (n - 1, Fun::lam(move |b, x| g.call(b, x + n)))))
+                },
+            );
             entry("main", Unary::lam(|b, n| f.call(b, (n, Fun::lam(|_, x: I32| x * 2)))));
         }
     };
     for filter in [always, never] {
-        let error = ends(author(filter), &[None], &[&[3]]).expect_err("no first-order program of finite size does this");
+        let error =
+            ends(author(filter), &[None], &[&[3]]).expect_err("no first-order program of finite size does this");
         assert!(error.to_string().contains("`wrap`"), "{error}");
     }
     ends(author(always), &[Some(5)], &[&[]]).expect("a known depth is no difficulty");
@@ -141,28 +146,37 @@ fn an_array_of_closures() {
     }
     jerboa_ir::impl_staged!(Cells { read, write });
     let author = || {
-        let make = Fun::<I32, Cells>::rec("make_array", |_| always(), |b, make, k| {
-            let cell = b.array::<I32>(1);
-            b.per_branch().if_(
-                k.eq(0),
-                |_| Cells { read: Fun::lam(|_, _: I32| I32::from(0)), write: Fun::lam(|_, _: (I32, I32)| ()) },
-                |b| {
-                    let rest = make.call(b, k - 1);
-                    Cells {
-                        read: Fun::lam(move |b, i: I32| b.if_(i.eq(k - 1), |b| b.get(cell, 0), |b| rest.read.call(b, i))),
-                        write: Fun::lam(move |b, (i, x): (I32, I32)| {
-                            b.if_(i.eq(k - 1), |b| b.set(cell, 0, x), |b| rest.write.call(b, (i, x)))
-                        }),
-                    }
-                },
-            )
-        });
-        entry("main", Fun::<(I32, I32, I32), I32>::lam(|b, (k, i, x)| {
-            let cells = make.call(b, k);
-            cells.write.call(b, (i, x));
-            let (first, there) = (cells.read.call(b, 0.into()), cells.read.call(b, i));
-            first * 1000 + there
-        }));
+        let make = Fun::<I32, Cells>::rec(
+            "make_array",
+            |_| always(),
+            |b, make, k| {
+                let cell = b.array::<I32>(1);
+                b.per_branch().if_(
+                    k.eq(0),
+                    |_| Cells { read: Fun::lam(|_, _: I32| I32::from(0)), write: Fun::lam(|_, _: (I32, I32)| ()) },
+                    |b| {
+                        let rest = make.call(b, k - 1);
+                        Cells {
+                            read: Fun::lam(move |b, i: I32| {
+                                b.if_(i.eq(k - 1), |b| b.get(cell, 0), |b| rest.read.call(b, i))
+                            }),
+                            write: Fun::lam(move |b, (i, x): (I32, I32)| {
+                                b.if_(i.eq(k - 1), |b| b.set(cell, 0, x), |b| rest.write.call(b, (i, x)))
+                            }),
+                        }
+                    },
+                )
+            },
+        );
+        entry(
+            "main",
+            Fun::<(I32, I32, I32), I32>::lam(|b, (k, i, x)| {
+                let cells = make.call(b, k);
+                cells.write.call(b, (i, x));
+                let (first, there) = (cells.read.call(b, 0.into()), cells.read.call(b, i));
+                first * 1000 + there
+            }),
+        );
     };
     let inputs: [&[i32]; 4] = [&[0, 7], &[2, 7], &[3, 7], &[-1, 7]];
     ends(author, &[Some(3), None, None], &inputs).expect("a known length is no difficulty");
@@ -173,7 +187,8 @@ fn an_array_of_closures() {
 #[test]
 fn a_logarithm_by_recursion() {
     let author = || {
-        let log = Unary::rec("ilog2", |_| always(), |b, log, x| b.if_(x.le(1), |_| I32::from(0), |b| log.call(b, x / 2) + 1));
+        let log =
+            Unary::rec("ilog2", |_| always(), |b, log, x| b.if_(x.le(1), |_| I32::from(0), |b| log.call(b, x / 2) + 1));
         entry("main", Unary::lam(|b, x| log.call(b, x)));
     };
     ends(author, &[None], &[&[0], &[1], &[2], &[1023], &[1024], &[i32::MAX]]).expect("its calls stay");
@@ -185,17 +200,25 @@ fn a_logarithm_by_recursion() {
 #[test]
 fn a_filter_over_the_scope_around() {
     let author = || {
-        let test = Unary::rec("test", |_| always(), |b, _, n| {
-            b.if_(
-                n.eq(1),
-                |b| {
-                    let i = b.if_(n.eq(1), |_| I32::from(0), |_| I32::from(1));
-                    let down = Unary::rec("specialize", |_| known(i), |b, down, x| b.if_(x.lt(0), |_| x, |b| down.call(b, x - 1)));
-                    down.call(b, i)
-                },
-                |_| I32::from(0),
-            )
-        });
+        let test = Unary::rec(
+            "test",
+            |_| always(),
+            |b, _, n| {
+                b.if_(
+                    n.eq(1),
+                    |b| {
+                        let i = b.if_(n.eq(1), |_| I32::from(0), |_| I32::from(1));
+                        let down = Unary::rec(
+                            "specialize",
+                            |_| known(i),
+                            |b, down, x| b.if_(x.lt(0), |_| x, |b| down.call(b, x - 1)),
+                        );
+                        down.call(b, i)
+                    },
+                    |_| I32::from(0),
+                )
+            },
+        );
         entry("main", Unary::lam(|b, n| test.call(b, n)));
     };
     let residual = ends(author, &[Some(1)], &[&[]]).expect("all is known");
@@ -205,21 +228,25 @@ fn a_filter_over_the_scope_around() {
 
 /// count(at, n, pred): how many of the n numbers from `at` on satisfy `pred`, by halves.
 fn count() -> Fun<(I32, I32, Pred), I32> {
-    Fun::<(I32, I32, Pred), I32>::rec("count", |_| never(), |b, count, (at, n, pred)| {
-        b.if_(
-            n.le(1),
-            |b| {
-                let x = b.load(Numbers::X, at.bits());
-                let holds = pred.call(b, x);
-                b.if_(holds, |_| I32::from(1), |_| I32::from(0))
-            },
-            |b| {
-                let half = n / 2;
-                let left = count.call(b, (at, half, pred));
-                left + count.call(b, (at + half, n - half, pred))
-            },
-        )
-    })
+    Fun::<(I32, I32, Pred), I32>::rec(
+        "count",
+        |_| never(),
+        |b, count, (at, n, pred)| {
+            b.if_(
+                n.le(1),
+                |b| {
+                    let x = b.load(Numbers::X, at.bits());
+                    let holds = pred.call(b, x);
+                    b.if_(holds, |_| I32::from(1), |_| I32::from(0))
+                },
+                |b| {
+                    let half = n / 2;
+                    let left = count.call(b, (at, half, pred));
+                    left + count.call(b, (at + half, n - half, pred))
+                },
+            )
+        },
+    )
 }
 
 /// thorin #93: a recursive function with a predicate, which it was specialised for together with its return.
@@ -241,14 +268,18 @@ fn a_predicate_that_captures_an_unknown() {
     let author = || {
         declare(&[spec::<Numbers>()]);
         let count = count();
-        entry("main", Fun::<(I32, I32), I32>::lam(|b, (n, most)| {
-            b.for_(range(0, 4), 0.into(), |b, i, sum: I32| {
-                let limit = most + i;
-                sum + count.call(b, (i, n, Fun::lam(move |_, x: I32| x.lt(limit))))
-            })
-        }));
+        entry(
+            "main",
+            Fun::<(I32, I32), I32>::lam(|b, (n, most)| {
+                b.for_(range(0, 4), 0.into(), |b, i, sum: I32| {
+                    let limit = most + i;
+                    sum + count.call(b, (i, n, Fun::lam(move |_, x: I32| x.lt(limit))))
+                })
+            }),
+        );
     };
-    let residual = ends(author, &[None, None], &[&[1, 2], &[4, 2], &[8, 1], &[3, -9]]).expect("the unknown is passed along");
+    let residual =
+        ends(author, &[None, None], &[&[1, 2], &[4, 2], &[8, 1], &[3, -9]]).expect("the unknown is passed along");
     let copies = residual.conts.iter().filter(|c| &*c.name == "count").count();
     assert_eq!(copies, 1, "one copy of `count`:\n{}", print(&residual));
 }
@@ -258,18 +289,21 @@ fn a_predicate_that_captures_an_unknown() {
 fn a_branch_in_an_unrolled_loop() {
     let author = || {
         let square = Fun::<I32, Unary>::lam(|_, x| Fun::lam(move |_, y: I32| x * x + y));
-        entry("main", Unary::lam(|b, a| {
-            b.label(|b, exit| {
-                b.for_(range(0, 4).unroll(), (), |b, i, ()| {
-                    b.when(a.eq(i), |b| {
-                        let f = square.call(b, i);
-                        let c = f.call(b, 1.into());
-                        exit.take(b, c)
+        entry(
+            "main",
+            Unary::lam(|b, a| {
+                b.label(|b, exit| {
+                    b.for_(range(0, 4).unroll(), (), |b, i, ()| {
+                        b.when(a.eq(i), |b| {
+                            let f = square.call(b, i);
+                            let c = f.call(b, 1.into());
+                            exit.take(b, c)
+                        });
                     });
-                });
-                I32::from(69)
-            })
-        }));
+                    I32::from(69)
+                })
+            }),
+        );
     };
     let residual = ends(author, &[None], &[&[0], &[1], &[2], &[3], &[4], &[-1]]).expect("it unrolls");
     let products = residual.nodes.iter().filter(|n| matches!(n, Node::Prim { op: Op::Mul, .. })).count();
@@ -280,15 +314,23 @@ fn a_branch_in_an_unrolled_loop() {
 #[test]
 fn a_key_that_grows() {
     let author = || {
-        let evolve = Fun::<(Unary, I32, I32), I32>::rec("evolve", |_| never(), |b, evolve, (r, n, g)| {
-            b.if_(n.eq(0), |b| r.call(b, g), |b| {
-                let twice = Fun::lam(move |b, x: I32| {
-                    let once = r.call(b, x);
-                    r.call(b, once)
-                });
-                evolve.call(b, (twice, n - 1, g))
-            })
-        });
+        let evolve = Fun::<(Unary, I32, I32), I32>::rec(
+            "evolve",
+            |_| never(),
+            |b, evolve, (r, n, g)| {
+                b.if_(
+                    n.eq(0),
+                    |b| r.call(b, g),
+                    |b| {
+                        let twice = Fun::lam(move |b, x: I32| {
+                            let once = r.call(b, x);
+                            r.call(b, once)
+                        });
+                        evolve.call(b, (twice, n - 1, g))
+                    },
+                )
+            },
+        );
         entry("main", Fun::<(I32, I32), I32>::lam(|b, (n, g)| evolve.call(b, (Fun::lam(|_, x: I32| x + 1), n, g))));
     };
     let error = ends(author, &[None, None], &[&[0, 0]]).expect_err("the function argument grows");
@@ -299,22 +341,26 @@ fn a_key_that_grows() {
 #[test]
 fn ackermann() {
     let author = || {
-        let ack = Fun::<(I32, I32), I32>::rec("ack", |(m, n)| known(m) & known(n), |b, ack, (m, n)| {
-            b.if_(
-                m.eq(0),
-                |_| n + 1,
-                |b| {
-                    b.if_(
-                        n.eq(0),
-                        |b| ack.call(b, (m - 1, 1.into())),
-                        |b| {
-                            let inner = ack.call(b, (m, n - 1));
-                            ack.call(b, (m - 1, inner))
-                        },
-                    )
-                },
-            )
-        });
+        let ack = Fun::<(I32, I32), I32>::rec(
+            "ack",
+            |(m, n)| known(m) & known(n),
+            |b, ack, (m, n)| {
+                b.if_(
+                    m.eq(0),
+                    |_| n + 1,
+                    |b| {
+                        b.if_(
+                            n.eq(0),
+                            |b| ack.call(b, (m - 1, 1.into())),
+                            |b| {
+                                let inner = ack.call(b, (m, n - 1));
+                                ack.call(b, (m - 1, inner))
+                            },
+                        )
+                    },
+                )
+            },
+        );
         entry("main", Fun::<(I32, I32), I32>::lam(|b, (m, n)| ack.call(b, (m, n))));
     };
     let residual = ends(author, &[Some(2), Some(3)], &[&[]]).expect("small enough to be evaluated");
@@ -355,7 +401,8 @@ fn deep_chains() {
     };
     ends(calls, &[None], &[&[3]]).expect("a chain of calls");
     let down = || {
-        let down = Unary::rec("down", known, |b, down, n| b.if_(n.le(0), |_| I32::from(0), |b| down.call(b, n - 1) + 1));
+        let down =
+            Unary::rec("down", known, |b, down, n| b.if_(n.le(0), |_| I32::from(0), |b| down.call(b, n - 1) + 1));
         entry("main", Unary::lam(|b, n| down.call(b, n)));
     };
     ends(down, &[Some(DEEP)], &[&[]]).expect("a known recursion");

@@ -40,7 +40,11 @@ fn check_seed(seed: u64) -> Result<Tally, String> {
     let why = check_recipe(&recipe, seed, &mut Tally::default()).expect_err("it fails still");
     let small = case(&mut Choices::replay(&recipe));
     let first = first.lines().next().unwrap_or_default();
-    Err(format!("seed {seed}: {first}\nshrunk to {recipe:?}:\n{}\n{why}\nmemory {:?}", print(&small.program), small.memory))
+    Err(format!(
+        "seed {seed}: {first}\nshrunk to {recipe:?}:\n{}\n{why}\nmemory {:?}",
+        print(&small.program),
+        small.memory
+    ))
 }
 
 fn setting(name: &str, default: u64) -> u64 {

@@ -55,12 +55,22 @@ fn engines_agree(scene: &Scene, pass: &Pass) {
         let r = renderer(scene, known);
         let compiled = r.samples(&camera, pass).unwrap_or_else(|e| panic!("{name}: {e}"));
         let residual = &r.generated().residual.program;
-        let meant = interpret(residual, kernel, r.tables(), &camera, pass, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(differences(&compiled, &meant), 0, "{name}, {known:?}: machine code against the interpreted residual");
+        let meant =
+            interpret(residual, kernel, r.tables(), &camera, pass, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(
+            differences(&compiled, &meant),
+            0,
+            "{name}, {known:?}: machine code against the interpreted residual"
+        );
         let first = first.get_or_insert_with(|| {
-            interpret(generic().program(), kernel, r.tables(), &camera, pass, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"))
+            interpret(generic().program(), kernel, r.tables(), &camera, pass, &mut ())
+                .unwrap_or_else(|e| panic!("{name}: {e}"))
         });
-        assert_eq!(differences(&compiled, first), 0, "{name}, {known:?}: machine code against the interpreted generic program");
+        assert_eq!(
+            differences(&compiled, first),
+            0,
+            "{name}, {known:?}: machine code against the interpreted generic program"
+        );
     }
 }
 
@@ -101,7 +111,8 @@ fn levels_give_the_same_bytes() {
         let scene = load(&format!("builtin:{name}"));
         let camera = scene.camera_or_default();
         let pass = pass(48, 48, 2);
-        let images = LEVELS.map(|known| renderer(&scene, known).samples(&camera, &pass).unwrap_or_else(|e| panic!("{name}: {e}")));
+        let images = LEVELS
+            .map(|known| renderer(&scene, known).samples(&camera, &pass).unwrap_or_else(|e| panic!("{name}: {e}")));
         assert_eq!(differences(&images[0], &images[1]), 0, "{name}: nothing against structure");
         assert_eq!(differences(&images[1], &images[2]), 0, "{name}: structure against all");
     }
@@ -130,7 +141,8 @@ fn no_join_is_copied_per_branch() {
     let p = generic().program();
     let joins: Vec<_> = p.conts.iter().filter(|c| c.role == Role::Join).collect();
     assert!(joins.len() > 50, "the library branches: {} joins", joins.len());
-    let copied: Vec<_> = joins.iter().filter(|c| p.as_lit(c.filter) == Some(Lit::Bool(true))).map(|c| c.loc.to_string()).collect();
+    let copied: Vec<_> =
+        joins.iter().filter(|c| p.as_lit(c.filter) == Some(Lit::Bool(true))).map(|c| c.loc.to_string()).collect();
     assert_eq!(copied, Vec::<String>::new());
 }
 
@@ -149,13 +161,19 @@ fn body(p: &Program) -> String {
 /// Specialising a residual again changes nothing.
 #[test]
 fn a_residual_is_its_own_residual() {
-    for (name, known) in [("cornell-box", Known::Structure), ("material-balls", Known::All), ("alpha", Known::Nothing)] {
+    for (name, known) in [("cornell-box", Known::Structure), ("material-balls", Known::All), ("alpha", Known::Nothing)]
+    {
         let once = residual_at(&load(&format!("builtin:{name}")), known);
         let unknown = [Arg::Unknown, Arg::Unknown];
         let options = jerboa_peval::Options::default();
         let again = specialize(&Generic::new(once.clone()), "path", &unknown, &Facts::none(), &options);
         let again = again.unwrap_or_else(|e| panic!("{name}: {e}")).program;
-        assert!(print(&again) == print(&once), "{name} at {known:?}: {} became {}", first_line(&once), first_line(&again));
+        assert!(
+            print(&again) == print(&once),
+            "{name} at {known:?}: {} became {}",
+            first_line(&once),
+            first_line(&again)
+        );
     }
 }
 

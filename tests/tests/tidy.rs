@@ -2,7 +2,7 @@
 //!
 //! Each rule is a function from the files to its faults, so that the last test can show each of them a bad sample.
 
-use jerboa_tests::sources::{root, Source, is_word, sources};
+use jerboa_tests::sources::{Source, is_word, root, sources};
 
 /// Most lines of a source file.
 const MOST_LINES: usize = 600;

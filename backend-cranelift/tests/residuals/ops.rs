@@ -10,9 +10,9 @@ use crate::build::{Build, code, run};
 fn special(scalar: Scalar) -> Vec<Lit> {
     match scalar {
         Scalar::Bool => vec![Lit::Bool(false), Lit::Bool(true)],
-        Scalar::I32 => {
-            [0, 1, -1, 2, -2, 7, 31, 32, 33, 1 << 24, (1 << 24) + 1, i32::MAX, i32::MIN, i32::MIN + 1].map(Lit::I32).into()
-        }
+        Scalar::I32 => [0, 1, -1, 2, -2, 7, 31, 32, 33, 1 << 24, (1 << 24) + 1, i32::MAX, i32::MIN, i32::MIN + 1]
+            .map(Lit::I32)
+            .into(),
         Scalar::U32 => {
             let floats = [f32::NAN.to_bits(), 0xffc0_0001, 0x7f80_0001, 1.5f32.to_bits(), (-0.0f32).to_bits(), 1];
             let ints = [0, 2, 31, 32, 33, 100, (1 << 24) + 1, (1 << 31) - 1, u32::MAX, u32::MAX - 1];
@@ -122,7 +122,12 @@ fn operations_over_lanes() {
             for bits in (0..1u32 << lanes).step_by(if lanes == 16 { 97 } else { 1 }).chain([(1 << lanes) - 1]) {
                 let args: Vec<Lit> = (0..lanes).map(|i| Lit::Bool(bits >> i & 1 == 1)).collect();
                 let expected = op.eval(&args);
-                assert_eq!(run(&code, "f", &args, &mut []).expect("it ends"), [expected.word()], "{} {args:?}", op.name());
+                assert_eq!(
+                    run(&code, "f", &args, &mut []).expect("it ends"),
+                    [expected.word()],
+                    "{} {args:?}",
+                    op.name()
+                );
             }
         }
     }

@@ -74,7 +74,8 @@ pub const fn spec<B: Buf>() -> Spec {
 /// # Panics
 /// When a column refers to a table that is not in the list.
 pub fn declare(specs: &[Spec]) {
-    let at = |name: &str| BufId(specs.iter().position(|s| s.0 == name).expect("a column refers to a declared table") as u32);
+    let at =
+        |name: &str| BufId(specs.iter().position(|s| s.0 == name).expect("a column refers to a declared table") as u32);
     for (name, kind, layout, columns) in specs {
         let column = |c: &ColumnSpec| ColumnDecl {
             name: c.name.into(),

@@ -75,12 +75,7 @@ impl Block {
 
     /// The arm whose number is `index`, else `default`. Arms are given in ascending order of their numbers.
     #[track_caller]
-    pub fn switch<T: Staged>(
-        &mut self,
-        index: U32,
-        arms: &[Case<'_, T>],
-        default: impl FnOnce(&mut Block) -> T,
-    ) -> T {
+    pub fn switch<T: Staged>(&mut self, index: U32, arms: &[Case<'_, T>], default: impl FnOnce(&mut Block) -> T) -> T {
         let loc = here();
         let filter = self.join_filter(known(index));
         let (join, value) = Block::continuation::<T>("join", Role::Join, filter, loc);

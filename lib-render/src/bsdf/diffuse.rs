@@ -20,7 +20,9 @@ use crate::geometry::{Frame3, SurfaceElement};
 /// Diffuse reflection.
 pub fn make_diffuse_bsdf(surf: SurfaceElement, kd: Color) -> Bsdf {
     Bsdf {
-        eval: EvalFn::lam(|_, (wi, wo)| diffuse_is_seen(Side::new(surf, wo), wi).select(kd * F32::from(FRAC_1_PI), black())),
+        eval: EvalFn::lam(|_, (wi, wo)| {
+            diffuse_is_seen(Side::new(surf, wo), wi).select(kd * F32::from(FRAC_1_PI), black())
+        }),
         pdf: PdfFn::lam(|_, (wi, wo)| diffuse_pdf(Side::new(surf, wo), wi)),
         sample: SampleFn::lam(|_, (rng, wo)| {
             let side = Side::new(surf, wo);

@@ -62,8 +62,19 @@ pub struct GltfValues {
     pub transmission: F32,
 }
 impl_staged!(GltfValues {
-    has_diffuse, has_specular, has_metal, has_transmission, thin, smooth, base, metallic, alpha, ior, specular,
-    specular_color, transmission
+    has_diffuse,
+    has_specular,
+    has_metal,
+    has_transmission,
+    thin,
+    smooth,
+    base,
+    metallic,
+    alpha,
+    ior,
+    specular,
+    specular_color,
+    transmission
 });
 
 /// f per steradian and pdf per steradian of one direction.
@@ -137,11 +148,8 @@ impl GltfValues {
     /// What a microfacet at this angle does.
     fn split(self, b: &mut Block, cos: F32, eta: F32) -> Split {
         let layer = self.layer(b, cos, eta);
-        let reflected = b.if_(
-            self.has_metal,
-            |_| layer.lerp(fresnel_schlick(self.base, cos), self.metallic),
-            |_| layer,
-        );
+        let reflected =
+            b.if_(self.has_metal, |_| layer.lerp(fresnel_schlick(self.base, cos), self.metallic), |_| layer);
         let (refracted, choice) = b.if_(
             self.has_transmission,
             |_| {

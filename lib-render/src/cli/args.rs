@@ -97,9 +97,7 @@ impl std::str::FromStr for PixelArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<PixelArg, String> {
-        numbers(text)
-            .map(PixelArg)
-            .ok_or_else(|| "expected X,Y, as in 120,80".into())
+        numbers(text).map(PixelArg).ok_or_else(|| "expected X,Y, as in 120,80".into())
     }
 }
 
@@ -112,50 +110,34 @@ impl std::str::FromStr for CropArg {
 
     fn from_str(text: &str) -> Result<CropArg, String> {
         let crop = numbers(text).filter(|[_, _, width, height]| *width > 0 && *height > 0);
-        crop.map(CropArg)
-            .ok_or_else(|| "expected X,Y,W,H with W and H at least 1, as in 0,0,64,64".into())
+        crop.map(CropArg).ok_or_else(|| "expected X,Y,W,H with W and H at least 1, as in 0,0,64,64".into())
     }
 }
 
 /// `N` whole numbers separated by commas.
 fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
-    let numbers = text
-        .split(',')
-        .map(|n| n.trim().parse().ok())
-        .collect::<Option<Vec<u32>>>()?;
+    let numbers = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<Vec<u32>>>()?;
     numbers.try_into().ok()
 }
 
 /// `text` as a finite number.
 fn finite(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|x: &f32| x.is_finite())
-        .ok_or_else(|| "expected a finite number".into())
+    text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| "expected a finite number".into())
 }
 
 /// `text` as a finite number that is not negative.
 fn finite_not_negative(text: &str) -> Result<f32, String> {
-    finite(text)
-        .ok()
-        .filter(|x| *x >= 0.0)
-        .ok_or_else(|| "expected a finite number, 0 or more".into())
+    finite(text).ok().filter(|x| *x >= 0.0).ok_or_else(|| "expected a finite number, 0 or more".into())
 }
 
 /// `text` as a probability above 0: a cap of 0 would end every path.
 fn probability(text: &str) -> Result<f32, String> {
-    finite(text)
-        .ok()
-        .filter(|x| *x > 0.0 && *x <= 1.0)
-        .ok_or_else(|| "expected a number above 0, at most 1".into())
+    finite(text).ok().filter(|x| *x > 0.0 && *x <= 1.0).ok_or_else(|| "expected a number above 0, at most 1".into())
 }
 
 /// `text` as a time in seconds above 0.
 fn seconds(text: &str) -> Result<f32, String> {
-    finite(text)
-        .ok()
-        .filter(|x| *x > 0.0)
-        .ok_or_else(|| "expected a number of seconds above 0".into())
+    finite(text).ok().filter(|x| *x > 0.0).ok_or_else(|| "expected a number of seconds above 0".into())
 }
 
 /// Words of `jerboa render`.
@@ -308,8 +290,7 @@ mod tests {
     }
 
     fn parse<A: Args>(words: &str) -> Result<A, clap::Error> {
-        Only::<A>::try_parse_from(["jerboa"].into_iter().chain(words.split_whitespace()))
-            .map(|only| only.args)
+        Only::<A>::try_parse_from(["jerboa"].into_iter().chain(words.split_whitespace())).map(|only| only.args)
     }
 
     #[test]
@@ -326,14 +307,8 @@ mod tests {
     #[test]
     fn render_alone_renders_the_default_scene() {
         let args: RenderArgs = parse("").unwrap();
-        assert_eq!(
-            (args.scene.as_str(), args.output, args.spp),
-            (DEFAULT_SCENE, "out.png".into(), 64)
-        );
-        assert_eq!(
-            (args.known, args.tracer),
-            (KnownArg::Structure, TracerArg::Path)
-        );
+        assert_eq!((args.scene.as_str(), args.output, args.spp), (DEFAULT_SCENE, "out.png".into(), 64));
+        assert_eq!((args.known, args.tracer), (KnownArg::Structure, TracerArg::Path));
         assert_eq!((args.rr_depth, args.rr_cap, args.max_depth), (3, 1.0, None));
         assert_eq!(args.shading_normals, ShadingNormalsArg::Consistent);
     }
@@ -346,49 +321,23 @@ mod tests {
              --rr-depth 5 --rr-cap 0.95 --crop 1,2,3,4 --exposure -1.5 --threads 2 --time-limit 10 --json",
         )
         .unwrap();
-        assert_eq!(
-            (args.scene.as_str(), args.output),
-            ("a.glb", "b.exr".into())
-        );
-        assert_eq!(
-            (args.spp, args.width, args.height, args.max_depth),
-            (16, Some(40), Some(30), Some(16))
-        );
-        assert_eq!(
-            (args.seed, args.known, args.tracer),
-            (7, KnownArg::All, TracerArg::Depth)
-        );
-        assert_eq!(
-            (args.env_rotation, args.env_strength, args.exposure),
-            (Some(-90.0), Some(2.0), -1.5)
-        );
-        assert_eq!(
-            (args.crop, args.threads, args.time_limit),
-            (Some(CropArg([1, 2, 3, 4])), Some(2), Some(10.0))
-        );
+        assert_eq!((args.scene.as_str(), args.output), ("a.glb", "b.exr".into()));
+        assert_eq!((args.spp, args.width, args.height, args.max_depth), (16, Some(40), Some(30), Some(16)));
+        assert_eq!((args.seed, args.known, args.tracer), (7, KnownArg::All, TracerArg::Depth));
+        assert_eq!((args.env_rotation, args.env_strength, args.exposure), (Some(-90.0), Some(2.0), -1.5));
+        assert_eq!((args.crop, args.threads, args.time_limit), (Some(CropArg([1, 2, 3, 4])), Some(2), Some(10.0)));
         assert!(args.json && args.camera.as_deref() == Some("Main"));
     }
 
     #[test]
     fn the_other_subcommands_parse() {
-        let dump: DumpArgs =
-            parse("a.glb --stage residual --kernel shade --known nothing").unwrap();
-        assert_eq!(
-            (dump.stage, dump.known),
-            (StageArg::Residual, KnownArg::Nothing)
-        );
+        let dump: DumpArgs = parse("a.glb --stage residual --kernel shade --known nothing").unwrap();
+        assert_eq!((dump.stage, dump.known), (StageArg::Residual, KnownArg::Nothing));
         assert!(parse::<TimeArgs>("a.glb --json").unwrap().json);
-        assert_eq!(
-            parse::<ExplainArgs>("a.glb --kernel shade")
-                .unwrap()
-                .kernel
-                .as_deref(),
-            Some("shade")
-        );
+        assert_eq!(parse::<ExplainArgs>("a.glb --kernel shade").unwrap().kernel.as_deref(), Some("shade"));
         let trace: TraceArgs = parse("a.glb --pixel 120,80 --sample 3").unwrap();
         assert_eq!((trace.pixel, trace.sample), (PixelArg([120, 80]), 3));
-        let compare: CompareArgs =
-            parse("a.exr b.exr ref.exr --ref-variance v.exr --diff d.png").unwrap();
+        let compare: CompareArgs = parse("a.exr b.exr ref.exr --ref-variance v.exr --diff d.png").unwrap();
         assert_eq!(compare.images.len(), 3);
     }
 

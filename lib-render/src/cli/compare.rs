@@ -10,36 +10,20 @@ use std::path::Path;
 pub(super) fn report(args: &CompareArgs) -> Result<String, Error> {
     let (renders, reference) = args.images.split_at(args.images.len() - 1);
     let reference = Image::read(&reference[0])?;
-    let renders = renders
-        .iter()
-        .map(|path| Image::read(path))
-        .collect::<Result<Vec<_>, _>>()?;
-    let variance = args
-        .ref_variance
-        .as_deref()
-        .map(|v| read_variance(v, &reference))
-        .transpose()?;
+    let renders = renders.iter().map(|path| Image::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let variance = args.ref_variance.as_deref().map(|v| read_variance(v, &reference)).transpose()?;
     let comparison = compare::compare(&renders, &reference, variance.as_ref())?;
     if let Some(path) = &args.diff {
         compare::difference_picture(&compare::mean_image(&renders), &reference).write(path, 0.0)?;
     }
-    Ok(if args.json {
-        as_json(&comparison)
-    } else {
-        as_text(&comparison, renders.len())
-    })
+    Ok(if args.json { as_json(&comparison) } else { as_text(&comparison, renders.len()) })
 }
 
 /// The variance of the reference's mean: a number that holds everywhere, or an image.
 fn read_variance(value: &str, reference: &Image) -> Result<Image, Error> {
     match value.parse::<f32>() {
-        Ok(v) if v >= 0.0 && v.is_finite() => Ok(Image {
-            pixels: vec![[v; 3]; reference.pixels.len()],
-            ..*reference
-        }),
-        Ok(v) => Err(Error::new(format!(
-            "--ref-variance {v}: a variance is finite and not negative"
-        ))),
+        Ok(v) if v >= 0.0 && v.is_finite() => Ok(Image { pixels: vec![[v; 3]; reference.pixels.len()], ..*reference }),
+        Ok(v) => Err(Error::new(format!("--ref-variance {v}: a variance is finite and not negative"))),
         Err(_) => Image::read(Path::new(value)),
     }
 }
@@ -58,10 +42,7 @@ fn as_json(c: &Comparison) -> String {
 }
 
 fn as_text(c: &Comparison, renders: usize) -> String {
-    let mut text = format!(
-        "RMSE    {:.6e}\nrelMSE  {:.6e}   (eps {REL_MSE_EPSILON})\n",
-        c.rmse, c.relmse
-    );
+    let mut text = format!("RMSE    {:.6e}\nrelMSE  {:.6e}   (eps {REL_MSE_EPSILON})\n", c.rmse, c.relmse);
     if let Some(sigmas) = c.mean_sigmas {
         text += &format!("mean    {sigmas:+.2} standard errors off the reference's\n");
     }
@@ -85,9 +66,7 @@ mod tests {
 
     fn write(folder: &Path, name: &str, value: f32) -> PathBuf {
         let path = folder.join(name);
-        Image::from_fn(15, 15, |_, _| [value; 3])
-            .write(&path, 0.0)
-            .unwrap();
+        Image::from_fn(15, 15, |_, _| [value; 3]).write(&path, 0.0).unwrap();
         path
     }
 
@@ -95,30 +74,10 @@ mod tests {
     fn the_json_has_exactly_the_promised_keys() {
         let comparison = compare::compare(&vec![flat(1.0); 16], &flat(1.0), None).unwrap();
         let json: serde_json::Value = serde_json::from_str(&as_json(&comparison)).unwrap();
-        let mut keys = json
-            .as_object()
-            .unwrap()
-            .keys()
-            .map(String::as_str)
-            .collect::<Vec<_>>();
+        let mut keys = json.as_object().unwrap().keys().map(String::as_str).collect::<Vec<_>>();
         keys.sort_unstable();
-        assert_eq!(
-            keys,
-            [
-                "blocks_beyond",
-                "max_z",
-                "mean_sigmas",
-                "relmse",
-                "rms_z",
-                "rmse"
-            ]
-        );
-        assert!(
-            json.as_object()
-                .unwrap()
-                .values()
-                .all(|v| v.as_f64() == Some(0.0))
-        );
+        assert_eq!(keys, ["blocks_beyond", "max_z", "mean_sigmas", "relmse", "rms_z", "rmse"]);
+        assert!(json.as_object().unwrap().values().all(|v| v.as_f64() == Some(0.0)));
     }
 
     fn flat(value: f32) -> Image {
@@ -128,17 +87,9 @@ mod tests {
     #[test]
     fn images_are_compared_and_a_difference_picture_is_written() {
         let folder = tempfile::tempdir().unwrap();
-        let images = vec![
-            write(folder.path(), "a.exr", 1.5),
-            write(folder.path(), "ref.exr", 1.0),
-        ];
+        let images = vec![write(folder.path(), "a.exr", 1.5), write(folder.path(), "ref.exr", 1.0)];
         let diff = folder.path().join("diff.png");
-        let args = CompareArgs {
-            images,
-            ref_variance: Some("0.01".into()),
-            json: true,
-            diff: Some(diff.clone()),
-        };
+        let args = CompareArgs { images, ref_variance: Some("0.01".into()), json: true, diff: Some(diff.clone()) };
         assert!(report(&args).unwrap().starts_with('{'));
         assert_eq!(Image::read(&diff).unwrap().pixels[0], [1.0, 0.0, 0.0]);
     }
@@ -150,9 +101,7 @@ mod tests {
         assert_eq!(read_variance("0.25", &flat(1.0)), Image::read(&path));
         assert!(read_variance("-1", &flat(1.0)).is_err());
         assert!(read_variance("nan", &flat(1.0)).is_err());
-        let missing = read_variance("missing.exr", &flat(1.0))
-            .unwrap_err()
-            .to_string();
+        let missing = read_variance("missing.exr", &flat(1.0)).unwrap_err().to_string();
         assert!(missing.starts_with("cannot read missing.exr"), "{missing}");
     }
 }

@@ -54,7 +54,8 @@ pub(super) fn time(args: &TimeArgs) -> Result<String, Error> {
     let start = std::time::Instant::now();
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
     let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
-    let kernels = TracerKind::ALL.iter().map(|k| generate(&tables, *k, Keep::default())).collect::<Result<Vec<_>, _>>()?;
+    let kernels =
+        TracerKind::ALL.iter().map(|k| generate(&tables, *k, Keep::default())).collect::<Result<Vec<_>, _>>()?;
     let phases = Phases { load: load_time + tables_time, bvh: tables.bvh_time, kernels: &kernels };
     Ok(if args.json { phases.json() } else { phases.text() })
 }

@@ -48,13 +48,8 @@ fn dispatch(command: Command) -> Result<(), Error> {
 /// Writes `text` to stdout. A closed pipe means that the reader has seen enough.
 fn print(text: &str) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
-    match stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush())
-    {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::new(format!("cannot write to stdout: {e}")))
-        }
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::new(format!("cannot write to stdout: {e}"))),
         _ => Ok(()),
     }
 }
@@ -62,18 +57,14 @@ fn print(text: &str) -> Result<(), Error> {
 /// The first paragraph of a usage error, which says what is wrong, on one line.
 fn one_line(usage: &clap::Error) -> Error {
     if usage.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return Error::new("a command is missing: `jerboa render` makes a first picture (jerboa --help lists the words)");
+        return Error::new(
+            "a command is missing: `jerboa render` makes a first picture (jerboa --help lists the words)",
+        );
     }
     let text = usage.render().to_string();
-    let paragraph = text
-        .lines()
-        .take_while(|line| !line.trim().is_empty())
-        .map(str::trim);
+    let paragraph = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim);
     let line = paragraph.collect::<Vec<_>>().join(" ");
-    Error::new(format!(
-        "{} (jerboa --help lists the words)",
-        line.trim_start_matches("error: ")
-    ))
+    Error::new(format!("{} (jerboa --help lists the words)", line.trim_start_matches("error: ")))
 }
 
 #[cfg(test)]
@@ -87,17 +78,10 @@ mod tests {
     #[test]
     fn usage_errors_are_one_line() {
         let unknown = usage_error("jerboa compare a.exr b.exr --frob");
-        assert_eq!(
-            unknown,
-            "unexpected argument '--frob' found (jerboa --help lists the words)"
-        );
+        assert_eq!(unknown, "unexpected argument '--frob' found (jerboa --help lists the words)");
         assert!(usage_error("jerboa compare a.exr").contains("A"));
         assert!(usage_error("jerboa").starts_with("a command is missing"));
-        for words in [
-            "jerboa compare",
-            "jerboa frob",
-            "jerboa compare a.exr b.exr --diff",
-        ] {
+        for words in ["jerboa compare", "jerboa frob", "jerboa compare a.exr b.exr --diff"] {
             let line = usage_error(words);
             assert!(!line.contains('\n') && line.len() > 40, "{line}");
         }

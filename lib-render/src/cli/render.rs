@@ -53,7 +53,8 @@ fn window(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Window, Error>
     let [x, y, width, height] = crop.0;
     let window = Window { x, y, width, height };
     if !whole.contains(&window) {
-        let message = format!("--crop {x},{y},{width},{height} reaches beyond the film of {}x{}", whole.width, whole.height);
+        let message =
+            format!("--crop {x},{y},{width},{height} reaches beyond the film of {}x{}", whole.width, whole.height);
         return Err(Error::new(message));
     }
     within_memory(window)
@@ -63,7 +64,8 @@ fn window(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Window, Error>
 fn within_memory(window: Window) -> Result<Window, Error> {
     if window.area() > MOST_PIXELS {
         let Window { width, height, .. } = window;
-        let message = format!("a film of {width}x{height} is too large, at most {MOST_PIXELS} pixels: render parts by --crop");
+        let message =
+            format!("a film of {width}x{height} is too large, at most {MOST_PIXELS} pixels: render parts by --crop");
         return Err(Error::new(message));
     }
     Ok(window)

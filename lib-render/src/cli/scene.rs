@@ -74,7 +74,9 @@ pub fn camera(scene: &Scene, name: Option<&str>) -> Result<Camera, Error> {
 /// Film size: what is asked for; one side alone keeps the camera's aspect.
 pub fn film_size(camera: &Camera, width: Option<u32>, height: Option<u32>) -> [u32; 2] {
     let (w, h) = camera.film_or_default();
-    let scaled = |side: u32, from: u32, to: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round().clamp(1.0, 65536.0) as u32;
+    let scaled = |side: u32, from: u32, to: u32| {
+        (f64::from(side) * f64::from(to) / f64::from(from)).round().clamp(1.0, 65536.0) as u32
+    };
     match (width, height) {
         (Some(width), Some(height)) => [width, height],
         (Some(width), None) => [width, scaled(width, w, h)],

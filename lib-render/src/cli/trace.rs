@@ -76,7 +76,8 @@ impl Observer for Steps<'_> {
 impl Steps<'_> {
     fn finish(mut self, meant: &[u32], compiled: &[u32]) -> String {
         let rgb = |words: &[u32]| [0, 1, 2].map(|c| f32::from_bits(words[c]));
-        let _ = write!(self.text, "\nradiance {:?}, {} closest-hit rays, {} shadow rays\n", rgb(meant), meant[3], meant[4]);
+        let _ =
+            write!(self.text, "\nradiance {:?}, {} closest-hit rays, {} shadow rays\n", rgb(meant), meant[3], meant[4]);
         if let Some((node, x)) = self.non_finite {
             let _ = writeln!(self.text, "first value that is not a number: {x} at {}", self.program.locs[node.index()]);
         }

@@ -12,8 +12,5 @@ pub fn onb(n: Vec3) -> (Vec3, Vec3) {
     let sign = F32::from(1.0).copysign(n.z);
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    (
-        vec3(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-        vec3(b, sign + n.y * n.y * a, -n.y),
-    )
+    (vec3(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), vec3(b, sign + n.y * n.y * a, -n.y))
 }

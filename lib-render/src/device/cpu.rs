@@ -65,7 +65,9 @@ fn path(b: &mut Block, tracer: Tracer, traverse: TraverseFn, x: U32, y: U32, sam
             hit.is_hit(),
             |b| {
                 let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
-                b.dispatch_left(Row::<Geometries>::at(geometry), |b, row| shade(b, tracer, traverse, row, path, hit, next, done))
+                b.dispatch_left(Row::<Geometries>::at(geometry), |b, row| {
+                    shade(b, tracer, traverse, row, path, hit, next, done)
+                })
             },
             |b| {
                 let sky = tracer.on_miss.call(b, (path.ray, path.state));

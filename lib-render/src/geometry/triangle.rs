@@ -110,9 +110,8 @@ impl Triangle {
             let tangent = self.blend(self.corners([Tangents::X, Tangents::Y, Tangents::Z]));
             frame_along(normal, tangent, Row::at(self.index[0]).get(Tangents::SIGN))
         };
-        let derived = |b: &mut Block| {
-            b.if_(row.get(Geometries::HAS_UV0), |_| self.frame_by_uv(normal), |_| frame_around(normal))
-        };
+        let derived =
+            |b: &mut Block| b.if_(row.get(Geometries::HAS_UV0), |_| self.frame_by_uv(normal), |_| frame_around(normal));
         b.if_(row.get(Geometries::HAS_TANGENTS), given, derived)
     }
 

@@ -75,51 +75,25 @@ pub struct T13 {
 ///
 /// # Errors
 /// If there is no render, or the images differ in size, or there is not one whole block for T13.
-pub fn compare(
-    renders: &[Image],
-    reference: &Image,
-    reference_variance: Option<&Image>,
-) -> Result<Comparison, Error> {
+pub fn compare(renders: &[Image], reference: &Image, reference_variance: Option<&Image>) -> Result<Comparison, Error> {
     check_sizes(renders, reference, reference_variance)?;
     let mean = mean_image(renders);
     let [mse, relmse] = squared_errors(&mean, reference, reference_variance);
-    let image = Estimate::of(
-        renders,
-        reference,
-        reference_variance,
-        0,
-        0,
-        reference.width,
-        reference.height,
-    );
+    let image = Estimate::of(renders, reference, reference_variance, 0, 0, reference.width, reference.height);
     let enough = renders.len() >= T13_MIN_RENDERS;
     Ok(Comparison {
         rmse: mse.sqrt(),
         relmse,
         mean_sigmas: (renders.len() > 1).then(|| image.sigmas(0.0)),
-        t13: if enough {
-            Some(t13(renders, reference, reference_variance, image)?)
-        } else {
-            None
-        },
+        t13: if enough { Some(t13(renders, reference, reference_variance, image)?) } else { None },
     })
 }
 
 /// The mean of images of one size.
 pub fn mean_image(images: &[Image]) -> Image {
-    let pixel = |i: usize| {
-        [0, 1, 2].map(|c| {
-            images
-                .iter()
-                .map(|a| f64::from(a.pixels[i][c]))
-                .sum::<f64>()
-        })
-    };
+    let pixel = |i: usize| [0, 1, 2].map(|c| images.iter().map(|a| f64::from(a.pixels[i][c])).sum::<f64>());
     let mean = |i: usize| pixel(i).map(|sum| (sum / images.len() as f64) as f32);
-    Image {
-        pixels: (0..images[0].pixels.len()).map(mean).collect(),
-        ..images[0]
-    }
+    Image { pixels: (0..images[0].pixels.len()).map(mean).collect(), ..images[0] }
 }
 
 /// A picture of where `a` differs from `reference`: red where it is brighter, blue where it is darker.
@@ -131,26 +105,14 @@ pub fn difference_picture(a: &Image, reference: &Image) -> Image {
         let tenths = ((luminance(*a) - r) / (0.1 * r.abs()).max(0.01)) as f32;
         [tenths.max(0.0), 0.0, (-tenths).max(0.0)]
     };
-    Image {
-        pixels: a.pixels.iter().zip(&reference.pixels).map(paint).collect(),
-        ..*a
-    }
+    Image { pixels: a.pixels.iter().zip(&reference.pixels).map(paint).collect(), ..*a }
 }
 
-fn check_sizes(
-    renders: &[Image],
-    reference: &Image,
-    variance: Option<&Image>,
-) -> Result<(), Error> {
+fn check_sizes(renders: &[Image], reference: &Image, variance: Option<&Image>) -> Result<(), Error> {
     if renders.is_empty() {
-        return Err(Error::new(
-            "compare needs at least one image beside the reference",
-        ));
+        return Err(Error::new("compare needs at least one image beside the reference"));
     }
-    let named = renders
-        .iter()
-        .enumerate()
-        .map(|(i, image)| (format!("image {}", i + 1), image));
+    let named = renders.iter().enumerate().map(|(i, image)| (format!("image {}", i + 1), image));
     for (name, image) in named.chain(variance.map(|v| ("the variance".into(), v))) {
         if (image.width, image.height) != (reference.width, reference.height) {
             return Err(Error::new(format!(
@@ -197,19 +159,12 @@ impl Estimate {
         width: u32,
         height: u32,
     ) -> Estimate {
-        let rows =
-            || (y..y + height).map(|row| row as usize * reference.width as usize + x as usize);
+        let rows = || (y..y + height).map(|row| row as usize * reference.width as usize + x as usize);
         let area = f64::from(width) * f64::from(height);
         let sum = |image: &Image, of: fn([f32; 3]) -> f64| -> f64 {
-            rows()
-                .flat_map(|start| &image.pixels[start..start + width as usize])
-                .map(|p| of(*p))
-                .sum()
+            rows().flat_map(|start| &image.pixels[start..start + width as usize]).map(|p| of(*p)).sum()
         };
-        let means = renders
-            .iter()
-            .map(|image| sum(image, luminance) / area)
-            .collect::<Vec<_>>();
+        let means = renders.iter().map(|image| sum(image, luminance) / area).collect::<Vec<_>>();
         let k = means.len() as f64;
         let mean = means.iter().sum::<f64>() / k;
         let spread = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
@@ -217,8 +172,7 @@ impl Estimate {
             mean,
             variance: spread / ((k - 1.0).max(1.0) * k),
             reference: sum(reference, luminance) / area,
-            reference_variance: variance.map_or(0.0, |v| sum(v, luminance_variance))
-                / (area * area),
+            reference_variance: variance.map_or(0.0, |v| sum(v, luminance_variance)) / (area * area),
         }
     }
 
@@ -227,11 +181,7 @@ impl Estimate {
         let difference = self.mean - self.reference;
         let squared = self.variance + self.reference_variance + (relative * self.reference).powi(2);
         // Equal values without any spread agree; 0/0 would say nothing.
-        if difference == 0.0 {
-            0.0
-        } else {
-            difference / squared.sqrt()
-        }
+        if difference == 0.0 { 0.0 } else { difference / squared.sqrt() }
     }
 }
 
@@ -242,52 +192,26 @@ fn luminance_variance(variance: [f32; 3]) -> f64 {
     luminance(variance.map(|v| v.max(0.0).sqrt())).powi(2)
 }
 
-fn t13(
-    renders: &[Image],
-    reference: &Image,
-    variance: Option<&Image>,
-    image: Estimate,
-) -> Result<T13, Error> {
+fn t13(renders: &[Image], reference: &Image, variance: Option<&Image>, image: Estimate) -> Result<T13, Error> {
     let (columns, rows) = (reference.width / BLOCK, reference.height / BLOCK);
     if columns == 0 || rows == 0 {
-        return Err(Error::new(format!(
-            "the block test needs images of at least {BLOCK}x{BLOCK} pixels"
-        )));
+        return Err(Error::new(format!("the block test needs images of at least {BLOCK}x{BLOCK} pixels")));
     }
-    let blocks =
-        (0..rows).flat_map(|row| (0..columns).map(move |column| (column * BLOCK, row * BLOCK)));
+    let blocks = (0..rows).flat_map(|row| (0..columns).map(move |column| (column * BLOCK, row * BLOCK)));
     let z = blocks
-        .map(|(x, y)| {
-            Estimate::of(renders, reference, variance, x, y, BLOCK, BLOCK).sigmas(BLOCK_RELATIVE)
-        })
+        .map(|(x, y)| Estimate::of(renders, reference, variance, x, y, BLOCK, BLOCK).sigmas(BLOCK_RELATIVE))
         .collect::<Vec<_>>();
     let quantile = two_sided_quantile(renders.len() as u32 - 1, 0.99);
     let count = z.len() as f64;
     let rms_z = (z.iter().map(|z| z * z).sum::<f64>() / count).sqrt();
     // A NaN is beyond everything: written so that it fails each condition.
-    let blocks_beyond = z
-        .iter()
-        .filter(|z| z.is_nan() || z.abs() > quantile)
-        .count() as f64
-        / count;
-    let max_z = z
-        .iter()
-        .map(|z| z.abs())
-        .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
+    let blocks_beyond = z.iter().filter(|z| z.is_nan() || z.abs() > quantile).count() as f64 / count;
+    let max_z = z.iter().map(|z| z.abs()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
     let mean_sigmas = image.sigmas(0.0);
     let mean_agrees = mean_sigmas.abs() <= MEAN_SIGMAS
         || (image.mean - image.reference).abs() <= MEAN_RELATIVE * image.reference.abs();
-    let pass = blocks_beyond <= MAX_SHARE_BEYOND
-        && RMS_Z.contains(&rms_z)
-        && max_z <= MAX_Z
-        && mean_agrees;
-    Ok(T13 {
-        rms_z,
-        blocks_beyond,
-        max_z,
-        mean_sigmas,
-        pass,
-    })
+    let pass = blocks_beyond <= MAX_SHARE_BEYOND && RMS_Z.contains(&rms_z) && max_z <= MAX_Z && mean_agrees;
+    Ok(T13 { rms_z, blocks_beyond, max_z, mean_sigmas, pass })
 }
 
 #[cfg(test)]
@@ -316,9 +240,7 @@ mod tests {
     fn test(picture: impl Fn(u32, u32) -> f64) -> T13 {
         println!("seed {SEED:#x}");
         let mut random = Random(SEED);
-        let renders = (0..16)
-            .map(|_| render(&mut random, &picture))
-            .collect::<Vec<_>>();
+        let renders = (0..16).map(|_| render(&mut random, &picture)).collect::<Vec<_>>();
         let reference = Image::from_fn(WIDTH, HEIGHT, |x, y| [truth(x, y) as f32; 3]);
         let result = compare(&renders, &reference, None).unwrap().t13.unwrap();
         println!("{result:?}");
@@ -343,47 +265,30 @@ mod tests {
 
     #[test]
     fn t13_is_red_on_a_nan() {
-        assert!(
-            !test(|x, y| if (x, y) == (20, 20) {
-                f64::NAN
-            } else {
-                truth(x, y)
-            })
-            .pass
-        );
+        assert!(!test(|x, y| if (x, y) == (20, 20) { f64::NAN } else { truth(x, y) }).pass);
     }
 
     #[test]
     fn t13_counts_the_references_own_noise() {
         let mut random = Random(SEED);
         println!("seed {SEED:#x}");
-        let renders = (0..16)
-            .map(|_| render(&mut random, truth))
-            .collect::<Vec<_>>();
+        let renders = (0..16).map(|_| render(&mut random, truth)).collect::<Vec<_>>();
         let reference = render(&mut random, truth);
         // An exponential variable's variance is its mean squared; the mean of 16 has a sixteenth of it.
-        let variance = Image::from_fn(WIDTH, HEIGHT, |x, y| {
-            [(truth(x, y).powi(2) / 16.0) as f32; 3]
-        });
+        let variance = Image::from_fn(WIDTH, HEIGHT, |x, y| [(truth(x, y).powi(2) / 16.0) as f32; 3]);
         let with = compare(&renders, &reference, Some(&variance)).unwrap();
         assert!(with.t13.unwrap().pass);
         let without = compare(&renders, &reference, None).unwrap();
         assert!(!without.t13.unwrap().pass);
         // What is left of the error is the renders' own: truth²/16/16.
-        let own = (0..WIDTH * HEIGHT)
-            .map(|i| truth(i % WIDTH, i / WIDTH).powi(2) / 256.0)
-            .sum::<f64>();
+        let own = (0..WIDTH * HEIGHT).map(|i| truth(i % WIDTH, i / WIDTH).powi(2) / 256.0).sum::<f64>();
         let own = (own / f64::from(WIDTH * HEIGHT)).sqrt();
         assert!((with.rmse / own - 1.0).abs() < 0.2 && without.rmse > 3.0 * own);
     }
 
     #[test]
     fn the_figures_are_those_of_their_formulas() {
-        let flat = |value: f32| Image {
-            width: 2,
-            height: 1,
-            pixels: vec![[value; 3]; 2],
-        };
+        let flat = |value: f32| Image { width: 2, height: 1, pixels: vec![[value; 3]; 2] };
         let one = compare(&[flat(1.5)], &flat(1.0), Some(&flat(0.05))).unwrap();
         assert!((one.rmse - 0.2_f64.sqrt()).abs() < 1e-7 && (one.relmse - 0.2 / 1.01).abs() < 1e-7);
         assert_eq!((one.mean_sigmas, one.t13), (None, None));
@@ -406,11 +311,7 @@ mod tests {
 
     #[test]
     fn the_difference_picture_is_red_where_brighter_and_blue_where_darker() {
-        let image = |values: [f32; 3]| Image {
-            width: 3,
-            height: 1,
-            pixels: values.map(|v| [v; 3]).to_vec(),
-        };
+        let image = |values: [f32; 3]| Image { width: 3, height: 1, pixels: values.map(|v| [v; 3]).to_vec() };
         let picture = difference_picture(&image([1.1, 0.9, 0.005]), &image([1.0, 1.0, 0.0]));
         let close = |a: f32, b: f32| (a - b).abs() < 1e-5;
         assert!(close(picture.pixels[0][0], 1.0) && picture.pixels[0][2] == 0.0);

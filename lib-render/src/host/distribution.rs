@@ -103,9 +103,7 @@ impl Distribution2D {
         let rows = weights.chunks(width);
         Distribution2D {
             width,
-            rows: Distribution1D::new(
-                &rows.clone().map(|row| row.iter().sum()).collect::<Vec<_>>(),
-            ),
+            rows: Distribution1D::new(&rows.clone().map(|row| row.iter().sum()).collect::<Vec<_>>()),
             columns: rows.flat_map(|row| Distribution1D::new(row).cdf).collect(),
         }
     }
@@ -122,38 +120,22 @@ impl Distribution2D {
     pub fn environment(map: &Image) -> Distribution2D {
         let (width, height) = (map.width as usize, map.height as usize);
         // What is no radiance counts as none.
-        let texel = |p: &[f32; 3]| {
-            Some(luminance(*p))
-                .filter(|l| l.is_finite())
-                .unwrap_or(0.0)
-                .max(0.0)
-        };
+        let texel = |p: &[f32; 3]| Some(luminance(*p)).filter(|l| l.is_finite()).unwrap_or(0.0).max(0.0);
         let texels = map.pixels.iter().map(texel).collect::<Vec<_>>();
-        let mean =
-            |before: f64, here: f64, after: f64| 0.125 * before + 0.75 * here + 0.125 * after;
+        let mean = |before: f64, here: f64, after: f64| 0.125 * before + 0.75 * here + 0.125 * after;
         let along_row = |y: usize, x: usize| {
             let row = &texels[y * width..][..width];
             mean(row[(x + width - 1) % width], row[x], row[(x + 1) % width])
         };
-        let mixed = (0..width * height)
-            .map(|i| along_row(i / width, i % width))
-            .collect::<Vec<_>>();
+        let mixed = (0..width * height).map(|i| along_row(i / width, i % width)).collect::<Vec<_>>();
         let weight = |y: usize, x: usize| {
             let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-            mean(
-                mixed[above * width + x],
-                mixed[y * width + x],
-                mixed[below * width + x],
-            ) * row_measure(y, height)
+            mean(mixed[above * width + x], mixed[y * width + x], mixed[below * width + x]) * row_measure(y, height)
         };
-        let weights = (0..width * height)
-            .map(|i| weight(i / width, i % width))
-            .collect::<Vec<_>>();
+        let weights = (0..width * height).map(|i| weight(i / width, i % width)).collect::<Vec<_>>();
         if weights.iter().all(|w| *w == 0.0) {
             // A black map: uniform over the sphere.
-            let uniform = (0..width * height)
-                .map(|i| row_measure(i / width, height))
-                .collect::<Vec<_>>();
+            let uniform = (0..width * height).map(|i| row_measure(i / width, height)).collect::<Vec<_>>();
             return Distribution2D::new(width, &uniform);
         }
         Distribution2D::new(width, &weights)
@@ -206,17 +188,12 @@ mod tests {
             let (p, ideal) = (d.probability(i), weight / total);
             assert_eq!(p > 0.0, *weight > 0.0, "index {i}");
             let bound = f64::from(ULP) * (2.0 + weights.len() as f64 * ideal);
-            assert!(
-                (f64::from(p) - ideal).abs() <= bound,
-                "index {i}: {p} against {ideal}"
-            );
+            assert!((f64::from(p) - ideal).abs() <= bound, "index {i}: {p} against {ideal}");
             if p > 0.0 {
                 assert_eq!((d.sample(d.cdf[i]), d.sample(d.cdf[i + 1] - ULP)), (i, i));
             }
         }
-        let sum = (0..weights.len())
-            .map(|i| f64::from(d.probability(i)))
-            .sum::<f64>();
+        let sum = (0..weights.len()).map(|i| f64::from(d.probability(i))).sum::<f64>();
         assert_eq!(sum, 1.0);
     }
 
@@ -224,14 +201,7 @@ mod tests {
     fn probabilities_are_the_shares_of_the_uniform_numbers() {
         let uneven = (0..1000).map(|i| f64::from(i * i % 97)).collect::<Vec<_>>();
         let extreme = [1e-300, 0.0, 1e308, 1.0, 0.0, 1e-320];
-        for weights in [
-            &[1.0][..],
-            &[0.0, 5.0],
-            &[5.0, 0.0],
-            &[1.0, 2.0, 3.0],
-            &uneven,
-            &extreme,
-        ] {
+        for weights in [&[1.0][..], &[0.0, 5.0], &[5.0, 0.0], &[1.0, 2.0, 3.0], &uneven, &extreme] {
             check(&Distribution1D::new(weights), weights);
         }
     }
@@ -240,19 +210,12 @@ mod tests {
     fn without_a_usable_weight_the_choice_is_uniform() {
         let nothing = [0.0, -1.0, f64::NAN, f64::INFINITY];
         check(&Distribution1D::new(&nothing), &[1.0; 4]);
-        check(
-            &Distribution1D::new(&[-1.0, 2.0, f64::NAN]),
-            &[0.0, 2.0, 0.0],
-        );
+        check(&Distribution1D::new(&[-1.0, 2.0, f64::NAN]), &[0.0, 2.0, 0.0]);
     }
 
     /// A map of `width`x`height` that is black but for the given texels.
     fn map(width: u32, height: u32, lit: &[(u32, u32, f32)]) -> Image {
-        let value = |x, y| {
-            lit.iter()
-                .find(|l| (l.0, l.1) == (x, y))
-                .map_or(0.0, |l| l.2)
-        };
+        let value = |x, y| lit.iter().find(|l| (l.0, l.1) == (x, y)).map_or(0.0, |l| l.2);
         Image::from_fn(width, height, |x, y| [value(x, y); 3])
     }
 
@@ -291,9 +254,7 @@ mod tests {
 
     #[test]
     fn a_sun_of_1e6_leaves_the_sky_drawable() {
-        let sky = Image::from_fn(64, 32, |x, y| {
-            [if (x, y) == (40, 9) { 1e6 } else { 1e-3 }; 3]
-        });
+        let sky = Image::from_fn(64, 32, |x, y| [if (x, y) == (40, 9) { 1e6 } else { 1e-3 }; 3]);
         let d = Distribution2D::environment(&sky);
         assert!((0..32).all(|y| (0..64).all(|x| d.probability([x, y]) > 0.0)));
         let sun = (8..=10).flat_map(|y| (39..=41).map(move |x| [x, y]));
@@ -305,10 +266,7 @@ mod tests {
     fn a_single_texel_is_always_drawn() {
         for value in [0.0, 3.0, f32::NAN] {
             let d = Distribution2D::environment(&map(1, 1, &[(0, 0, value)]));
-            assert_eq!(
-                (d.probability([0, 0]), d.sample([0.999, 0.0])),
-                (1.0, [0, 0])
-            );
+            assert_eq!((d.probability([0, 0]), d.sample([0.999, 0.0])), (1.0, [0, 0]));
         }
     }
 

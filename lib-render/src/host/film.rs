@@ -46,8 +46,7 @@ impl Window {
     /// Index of pixel `[column, row]` of the full image within this window, row by row; `None` outside it.
     pub fn index(&self, [x, y]: [u32; 2]) -> Option<usize> {
         let (dx, dy) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
-        (dx < self.width && dy < self.height)
-            .then(|| dy as usize * self.width as usize + dx as usize)
+        (dx < self.width && dy < self.height).then(|| dy as usize * self.width as usize + dx as usize)
     }
 
     /// Number of pixels.
@@ -60,8 +59,7 @@ impl Window {
         let inside = |lo: u32, n: u32, inner_lo: u32, inner_n: u32| {
             inner_lo >= lo && inner_lo as u64 + inner_n as u64 <= lo as u64 + n as u64
         };
-        inside(self.x, self.width, inner.x, inner.width)
-            && inside(self.y, self.height, inner.y, inner.height)
+        inside(self.x, self.width, inner.x, inner.width) && inside(self.y, self.height, inner.y, inner.height)
     }
 }
 
@@ -85,11 +83,7 @@ pub struct Film {
 impl Film {
     /// An empty film over `window`. It takes 64 bytes a pixel.
     pub fn new(window: Window) -> Film {
-        Film {
-            window,
-            pixels: vec![Pixel::default(); window.area()],
-            dropped: 0,
-        }
+        Film { window, pixels: vec![Pixel::default(); window.area()], dropped: 0 }
     }
 
     /// The pixels this film holds.
@@ -105,10 +99,7 @@ impl Film {
     /// # Panics
     /// If `pixel` lies outside the window, which is an error of the caller.
     pub fn add(&mut self, pixel: [u32; 2], sample: [f32; 3]) {
-        let index = self
-            .window
-            .index(pixel)
-            .expect("Film::add: pixel outside the film's window");
+        let index = self.window.index(pixel).expect("Film::add: pixel outside the film's window");
         // NaN compares false, so it is dropped too.
         if sample.iter().all(|s| s.abs() <= RANGE) {
             let pixel = &mut self.pixels[index];
@@ -132,10 +123,7 @@ impl Film {
         let width = part.window.width as usize;
         for (dy, row) in part.pixels.chunks(width.max(1)).enumerate() {
             let start = [part.window.x, part.window.y + dy as u32];
-            let start = self
-                .window
-                .index(start)
-                .expect("the part's rows lie within the window");
+            let start = self.window.index(start).expect("the part's rows lie within the window");
             for (into, from) in self.pixels[start..start + width].iter_mut().zip(row) {
                 into.count += from.count;
                 for (sum, part_sum) in into.sum.iter_mut().zip(from.sum) {
@@ -149,9 +137,7 @@ impl Film {
 
     /// Samples accepted by `pixel`, given as column and row of the full image; 0 outside the window.
     pub fn count(&self, pixel: [u32; 2]) -> u32 {
-        self.window
-            .index(pixel)
-            .map_or(0, |index| self.pixels[index].count)
+        self.window.index(pixel).map_or(0, |index| self.pixels[index].count)
     }
 
     /// Samples dropped because a channel was not finite or above [`RANGE`].
@@ -162,11 +148,7 @@ impl Film {
     /// The image of the window: per pixel and channel the exact mean, rounded once to f32; black where no sample is.
     pub fn mean(&self) -> Image {
         let mean = |p: &Pixel| p.sum.map(|sum| round_mean(sum, p.count));
-        Image {
-            width: self.window.width,
-            height: self.window.height,
-            pixels: self.pixels.iter().map(mean).collect(),
-        }
+        Image { width: self.window.width, height: self.window.height, pixels: self.pixels.iter().map(mean).collect() }
     }
 }
 
@@ -185,8 +167,7 @@ fn round_mean(sum: i128, count: u32) -> f32 {
     let magnitude = sum.unsigned_abs();
     let shift = magnitude.leading_zeros().saturating_sub(1).min(63);
     let shifted = magnitude << shift;
-    let quotient =
-        (shifted / u128::from(count)) | u128::from(!shifted.is_multiple_of(u128::from(count)));
+    let quotient = (shifted / u128::from(count)) | u128::from(!shifted.is_multiple_of(u128::from(count)));
     // 2^-64 / 2^32 is far above the denormals, so scaling by a power of two is exact. Two steps keep the factor in range.
     let mean = quotient as f32 * (-FRACTION_BITS as f32).exp2() * (-(shift as f32)).exp2();
     if sum < 0 { -mean } else { mean }
@@ -196,12 +177,7 @@ fn round_mean(sum: i128, count: u32) -> f32 {
 mod tests {
     use super::*;
 
-    const ONE: Window = Window {
-        x: 0,
-        y: 0,
-        width: 1,
-        height: 1,
-    };
+    const ONE: Window = Window { x: 0, y: 0, width: 1, height: 1 };
 
     /// A film of one pixel after `count` samples of which each doubling is a merge with itself.
     fn doubled(mut film: Film, times: u32) -> Film {
@@ -214,12 +190,7 @@ mod tests {
 
     /// Samples that depend on an index only; spread over many magnitudes and both signs.
     fn sample(i: u32) -> [f32; 3] {
-        let hash = |k: u32| {
-            (i ^ k)
-                .wrapping_mul(0x9e37_79b9)
-                .rotate_left(13)
-                .wrapping_mul(0x85eb_ca6b)
-        };
+        let hash = |k: u32| (i ^ k).wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
         [1, 2, 3].map(|k| {
             let h = hash(k);
             let scale = ((h & 63) as f32 - 32.0).exp2().min(RANGE);
@@ -253,46 +224,23 @@ mod tests {
 
     #[test]
     fn neither_order_nor_tiles_change_a_bit() {
-        let window = Window {
-            x: 3,
-            y: 5,
-            width: 4,
-            height: 3,
-        };
+        let window = Window { x: 3, y: 5, width: 4, height: 3 };
         let pixel = |i: u32| [3 + i % 4, 5 + i / 4 % 3];
         let mut forward = Film::new(window);
         (0..5000).for_each(|i| forward.add(pixel(i), sample(i)));
         let mut backward = Film::new(window);
-        (0..5000)
-            .rev()
-            .for_each(|i| backward.add(pixel(i), sample(i)));
+        (0..5000).rev().for_each(|i| backward.add(pixel(i), sample(i)));
         assert_eq!(forward, backward);
 
         let mut merged = Film::new(window);
         for tile in [(5, 6, 2, 2), (3, 5, 4, 1), (3, 6, 2, 2)] {
-            let mut film = Film::new(Window {
-                x: tile.0,
-                y: tile.1,
-                width: tile.2,
-                height: tile.3,
-            });
-            let inside = (0..5000)
-                .filter(|&i| film.window().index(pixel(i)).is_some())
-                .collect::<Vec<_>>();
-            inside
-                .into_iter()
-                .for_each(|i| film.add(pixel(i), sample(i)));
+            let mut film = Film::new(Window { x: tile.0, y: tile.1, width: tile.2, height: tile.3 });
+            let inside = (0..5000).filter(|&i| film.window().index(pixel(i)).is_some()).collect::<Vec<_>>();
+            inside.into_iter().for_each(|i| film.add(pixel(i), sample(i)));
             merged.merge(&film).unwrap();
         }
         assert_eq!(forward, merged);
-        let bits = |film: &Film| {
-            film.mean()
-                .pixels
-                .iter()
-                .flatten()
-                .map(|c| c.to_bits())
-                .collect::<Vec<_>>()
-        };
+        let bits = |film: &Film| film.mean().pixels.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&forward), bits(&merged));
     }
 
@@ -301,19 +249,13 @@ mod tests {
         // The exact mean of the two samples is 1 + 2^-24 + 2^-51: just above the tie that a sum in f32 rounds down.
         let mut film = Film::new(ONE);
         film.add([0, 0], [1.0, -1.0, 0.0]);
-        film.add(
-            [0, 0],
-            [1.0 + 2.0_f32.powi(-23), -1.0 - 2.0_f32.powi(-23), 0.0],
-        );
+        film.add([0, 0], [1.0 + 2.0_f32.powi(-23), -1.0 - 2.0_f32.powi(-23), 0.0]);
         for _ in 0..2 {
             film.add([0, 0], [1.0 + 2.0_f32.powi(-23), -1.0, 0.0]);
         }
         // 1 + 3/4 · 2^-23 rounds up; -1 - 1/4 · 2^-23 rounds towards -1.
         assert_eq!(film.mean().pixels, [[1.0 + f32::EPSILON, -1.0, 0.0]]);
-        assert_eq!(
-            round_mean(to_fixed(2.0) + to_fixed(f32::EPSILON) + 1, 2),
-            1.0 + f32::EPSILON
-        );
+        assert_eq!(round_mean(to_fixed(2.0) + to_fixed(f32::EPSILON) + 1, 2), 1.0 + f32::EPSILON);
         assert_eq!(round_mean(to_fixed(2.0) + to_fixed(f32::EPSILON), 2), 1.0);
         assert_eq!(round_mean(i128::MAX, u32::MAX), RANGE);
         assert_eq!(round_mean(1, u32::MAX), 2.0_f32.powi(-96));
@@ -333,17 +275,7 @@ mod tests {
     #[test]
     fn a_part_outside_the_window_is_refused() {
         let mut film = Film::new(ONE);
-        let part = Film::new(Window {
-            x: 0,
-            y: 1,
-            width: 1,
-            height: 1,
-        });
-        assert!(
-            film.merge(&part)
-                .unwrap_err()
-                .to_string()
-                .contains("does not lie within")
-        );
+        let part = Film::new(Window { x: 0, y: 1, width: 1, height: 1 });
+        assert!(film.merge(&part).unwrap_err().to_string().contains("does not lie within"));
     }
 }

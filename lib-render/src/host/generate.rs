@@ -96,7 +96,8 @@ pub struct Generated {
 /// Specialise a kernel for these tables.
 pub fn residual(tables: &Tables, kind: TracerKind, keep: Keep) -> Result<Residual, Error> {
     let options = jerboa_peval::Options { log: keep.log, ..Default::default() };
-    specialize(generic(), kind.kernel(), &[Arg::Unknown, Arg::Unknown], &tables.facts, &options).map_err(|e| Error::new(e.to_string()))
+    specialize(generic(), kind.kernel(), &[Arg::Unknown, Arg::Unknown], &tables.facts, &options)
+        .map_err(|e| Error::new(e.to_string()))
 }
 
 /// Specialise and compile a kernel for these tables.

@@ -36,36 +36,20 @@ pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
 impl Image {
     /// An image whose pixel in column x and row y is `pixel(x, y)`.
     pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> [f32; 3]) -> Image {
-        let pixels = (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| pixel(x, y))
-            .collect();
-        Image {
-            width,
-            height,
-            pixels,
-        }
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        Image { width, height, pixels }
     }
 
     /// Reads an `.exr`, `.hdr` or `.png`, chosen by the extension.
     pub fn read(path: &Path) -> Result<Image, Error> {
         let format = Format::of(path)?;
-        let fault =
-            |e: &dyn std::fmt::Display| Error::new(format!("cannot read {}: {e}", path.display()));
+        let fault = |e: &dyn std::fmt::Display| Error::new(format!("cannot read {}: {e}", path.display()));
         let mut reader = ImageReader::open(path).map_err(|e| fault(&e))?;
         reader.set_format(format.codec());
         let decoded = reader.decode().map_err(|e| fault(&e))?;
         let rgb = decoded.to_rgb32f();
-        let decode = if format == Format::Png {
-            srgb_to_linear
-        } else {
-            |c| c
-        };
-        Ok(Image {
-            width: rgb.width(),
-            height: rgb.height(),
-            pixels: rgb.pixels().map(|p| p.0.map(decode)).collect(),
-        })
+        let decode = if format == Format::Png { srgb_to_linear } else { |c| c };
+        Ok(Image { width: rgb.width(), height: rgb.height(), pixels: rgb.pixels().map(|p| p.0.map(decode)).collect() })
     }
 
     /// Writes an `.exr` (linear) or a `.png` (tone-mapped with `exposure` in stops), chosen by the extension.
@@ -74,9 +58,7 @@ impl Image {
         let encoded = if format == Format::Exr { self.to_linear() } else { self.to_display(exposure) };
         write_atomic(path, |file| {
             let mut file = BufWriter::new(file);
-            encoded
-                .write_to(&mut file, format.codec())
-                .map_err(std::io::Error::other)?;
+            encoded.write_to(&mut file, format.codec()).map_err(std::io::Error::other)?;
             file.flush()
         })
     }
@@ -119,18 +101,12 @@ enum Format {
 
 impl Format {
     fn of(path: &Path) -> Result<Format, Error> {
-        let extension = path
-            .extension()
-            .and_then(|e| e.to_str())
-            .map(str::to_ascii_lowercase);
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("exr") => Ok(Format::Exr),
             Some("hdr") => Ok(Format::Hdr),
             Some("png") => Ok(Format::Png),
-            _ => Err(Error::new(format!(
-                "{}: the image's name must end in .exr, .hdr or .png",
-                path.display()
-            ))),
+            _ => Err(Error::new(format!("{}: the image's name must end in .exr, .hdr or .png", path.display()))),
         }
     }
 
@@ -140,7 +116,9 @@ impl Format {
             Ok(format @ (Format::Exr | Format::Png)) => Ok(format),
             _ => {
                 let path = path.display();
-                Err(Error::new(format!("cannot write {path}: its name must end in .exr (linear) or .png (tone-mapped)")))
+                Err(Error::new(format!(
+                    "cannot write {path}: its name must end in .exr (linear) or .png (tone-mapped)"
+                )))
             }
         }
     }
@@ -163,10 +141,7 @@ fn folder_of(path: &Path) -> &Path {
 ///
 /// # Errors
 /// Names `path` and what failed: no such folder, no right to write there, no space left, or `fill`'s own error.
-pub fn write_atomic(
-    path: &Path,
-    fill: impl FnOnce(&mut std::fs::File) -> std::io::Result<()>,
-) -> Result<(), Error> {
+pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io::Result<()>) -> Result<(), Error> {
     let folder = folder_of(path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(".jerboa-");
@@ -190,20 +165,12 @@ pub fn write_atomic(
 /// The sRGB encoding of a linear value, clamped to [0, 1] first (NaN to 0); IEC 61966-2-1.
 fn linear_to_srgb(c: f32) -> f32 {
     let c = if c > 0.0 { c.min(1.0) } else { 0.0 };
-    if c <= 0.003_130_8 {
-        12.92 * c
-    } else {
-        1.055 * c.powf(1.0 / 2.4) - 0.055
-    }
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// The linear value of an sRGB encoded one; IEC 61966-2-1.
 fn srgb_to_linear(c: f32) -> f32 {
-    if c <= 0.040_45 {
-        c / 12.92
-    } else {
-        ((c + 0.055) / 1.055).powf(2.4)
-    }
+    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]
@@ -212,9 +179,7 @@ mod tests {
     use std::fs;
 
     fn picture() -> Image {
-        Image::from_fn(5, 3, |x, y| {
-            [x as f32 * 1e-3, -1.5 * y as f32, 3e5 + x as f32]
-        })
+        Image::from_fn(5, 3, |x, y| [x as f32 * 1e-3, -1.5 * y as f32, 3e5 + x as f32])
     }
 
     #[test]
@@ -229,11 +194,7 @@ mod tests {
     fn a_png_is_exposed_clamped_and_encoded() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let image = Image {
-            width: 2,
-            height: 1,
-            pixels: vec![[0.25, 0.5, 7.0], [f32::NAN, -1.0, 0.001]],
-        };
+        let image = Image { width: 2, height: 1, pixels: vec![[0.25, 0.5, 7.0], [f32::NAN, -1.0, 0.001]] };
         image.write(&path, 1.0).unwrap();
         let bytes = image::open(&path).unwrap().to_rgb8();
         // srgb(0.5) = 187.5 of 255 and srgb(0.002) = 6.59 of 255, by the formula.
@@ -252,18 +213,9 @@ mod tests {
             Err(std::io::Error::from(std::io::ErrorKind::StorageFull))
         };
         let error = write_atomic(&path, full).unwrap_err().to_string();
-        assert!(
-            error.starts_with("cannot write ")
-                && error.contains("out.png")
-                && !error.contains('\n'),
-            "{error}"
-        );
+        assert!(error.starts_with("cannot write ") && error.contains("out.png") && !error.contains('\n'), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(
-            fs::read_dir(folder.path()).unwrap().count(),
-            1,
-            "the temporary file is gone"
-        );
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "the temporary file is gone");
     }
 
     #[test]
@@ -271,14 +223,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "").unwrap();
         for target in ["missing/out.exr", "file/out.png"] {
-            let error = picture()
-                .write(&folder.path().join(target), 0.0)
-                .unwrap_err()
-                .to_string();
-            assert!(
-                error.contains(target) && !error.contains(".jerboa-") && !error.contains('\n'),
-                "{error}"
-            );
+            let error = picture().write(&folder.path().join(target), 0.0).unwrap_err().to_string();
+            assert!(error.contains(target) && !error.contains(".jerboa-") && !error.contains('\n'), "{error}");
         }
     }
 

@@ -142,7 +142,8 @@ impl Renderer {
                     if handle.is_cancelled() {
                         return Ok(None);
                     }
-                    let pass = Pass { size: job.size, window: *window, sample: job.sample + first, samples, seed: job.seed };
+                    let pass =
+                        Pass { size: job.size, window: *window, sample: job.sample + first, samples, seed: job.seed };
                     let tile = self.tile(camera, &pass)?;
                     handle.done.fetch_add(window.area() as u64 * u64::from(samples), Ordering::Relaxed);
                     Ok(Some(tile))
@@ -201,7 +202,9 @@ impl Renderer {
         // slots are in range by construction (`Bvh::build`). Threads of rayon and the main thread have the stack it asks for.
         match unsafe { kernel.call(&bindings, &[0, count], &mut []) } {
             Status::Done => Ok(()),
-            Status::Limit => Err(Error::new("the kernel recursed beyond its limit: a fault of Jerboa, please report the scene")),
+            Status::Limit => {
+                Err(Error::new("the kernel recursed beyond its limit: a fault of Jerboa, please report the scene"))
+            }
         }
     }
 }

@@ -118,7 +118,8 @@ impl Bench {
         let params = program.cont(cont).params.iter();
         let scalars = params.filter_map(|p| Some(p.ty.lanes()?.0));
         let lits: Vec<Lit> = scalars.zip(args).map(|(scalar, word)| Lit::from_word(scalar, *word)).collect();
-        let interpreted = interp::run(program, cont, &lits, &mut self.memory.clone(), Limits::default()).expect("it runs");
+        let interpreted =
+            interp::run(program, cont, &lits, &mut self.memory.clone(), Limits::default()).expect("it runs");
         let words: Vec<u32> = interpreted.into_iter().map(Lit::word).collect();
         // A NaN among results may have any bits; a result that is no float and looks like one is rarely wrong alone.
         let same = |(a, b): (&u32, &u32)| a == b || (f32::from_bits(*a).is_nan() && f32::from_bits(*b).is_nan());

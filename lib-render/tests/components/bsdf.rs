@@ -70,7 +70,10 @@ fn mirrors_and_glass_follow_the_semantics() {
                 } else {
                     let sin = |w: V| f64::from(w[0]).hypot(f64::from(w[1]));
                     assert!((sin(s.wi) * eta - sin(wo)).abs() < 1e-6, "Snell: {s:?}");
-                    assert!((f64::from(s.scale) * eta * eta - 1.0).abs() < 1e-6 && (s.weight[0] / s.scale - 1.0).abs() < 1e-6);
+                    assert!(
+                        (f64::from(s.scale) * eta * eta - 1.0).abs() < 1e-6
+                            && (s.weight[0] / s.scale - 1.0).abs() < 1e-6
+                    );
                 }
             }
             let r = fresnel(cos.abs(), eta);
@@ -128,7 +131,10 @@ fn sample_pdf_and_eval_are_one_model() {
                     let expected = f64::from(f) * cos / f64::from(s.pdf);
                     // The cosine is a rounded scalar product: near grazing it has few digits.
                     let tolerance = 1e-5 + 3e-7 / cos;
-                    assert!((f64::from(*w) - expected).abs() <= tolerance * expected, "{name}: {s:?} expects {expected}");
+                    assert!(
+                        (f64::from(*w) - expected).abs() <= tolerance * expected,
+                        "{name}: {s:?} expects {expected}"
+                    );
                 }
             }
         }
@@ -219,7 +225,10 @@ fn metal_reflects_as_much_as_quadrature_says() {
         for mu in [1.0, 0.7, 0.3, 0.05] {
             let expected = ggx_albedo(f64::from(roughness * roughness), mu);
             let (mean, error) = metal.albedo(at_cos(mu), 10_000);
-            assert!((mean - expected).abs() <= 4.0 * error + 2e-4, "{roughness} {mu}: {mean} ± {error}, not {expected}");
+            assert!(
+                (mean - expected).abs() <= 4.0 * error + 2e-4,
+                "{roughness} {mu}: {mean} ± {error}, not {expected}"
+            );
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use jerboa_ir::lang::{Bool, F32, Fun, Row, U32, entry};
 use jerboa_lib_render::bsdf::{Bsdf, BsdfSample};
+use jerboa_lib_render::camera::make_perspective_camera;
 use jerboa_lib_render::core::color::black;
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::Vec3;
-use jerboa_lib_render::camera::make_perspective_camera;
 use jerboa_lib_render::geometry::make_geometry;
 use jerboa_lib_render::geometry::offset::{offset_origin, spawn_shadow_ray};
 use jerboa_lib_render::light::DirectLightSample;
@@ -31,15 +31,28 @@ pub fn no_shader() -> Shader {
             }),
             is_specular: Bool::from(false),
         };
-        let nothing = |_: &mut jerboa_ir::lang::Block, _| EmissionValue { intensity: black(), pdf_area: 0.0.into(), pdf_dir: 0.0.into() };
-        Material { bsdf, emission: Fun::lam(nothing), is_emissive: false.into(), is_unlit: false.into(), base: black(), absorption: black(), normal: jerboa_lib_render::core::vec::vec3(0.0, 0.0, 1.0) }
+        let nothing = |_: &mut jerboa_ir::lang::Block, _| EmissionValue {
+            intensity: black(),
+            pdf_area: 0.0.into(),
+            pdf_dir: 0.0.into(),
+        };
+        Material {
+            bsdf,
+            emission: Fun::lam(nothing),
+            is_emissive: false.into(),
+            is_unlit: false.into(),
+            base: black(),
+            absorption: black(),
+            normal: jerboa_lib_render::core::vec::vec3(0.0, 0.0, 1.0),
+        }
     })
 }
 
 /// The surface of primitive 0 of geometry 0 at weights (u, v).
 fn surface(b: &mut jerboa_ir::lang::Block, u: F32, v: F32) -> jerboa_lib_render::geometry::SurfaceElement {
     let nowhere = Vec3 { x: 0.0.into(), y: 0.0.into(), z: 0.0.into() };
-    let ray = Ray { org: nowhere, dir: nowhere, tmax: 0.0.into(), skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() };
+    let ray =
+        Ray { org: nowhere, dir: nowhere, tmax: 0.0.into(), skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() };
     let hit = Hit { primitive: 0.into(), t: 0.0.into(), u, v };
     make_geometry(Row::<Geometries>::at(0u32), no_shader()).surface_element.call(b, (ray, hit))
 }
@@ -48,26 +61,35 @@ fn surface(b: &mut jerboa_ir::lang::Block, u: F32, v: F32) -> jerboa_lib_render:
 fn bench() -> Bench {
     let mut bench = Bench::new(|| {
         entry("surface", Fun::lam(|b, (u, v): (F32, F32)| surface(b, u, v)));
-        entry("offset", Fun::lam(|b, (u, v, w): (F32, F32, Vec3)| {
-            let s = surface(b, u, v);
-            (s.point, s.error, s.face_normal, offset_origin(s, w))
-        }));
-        entry("shadow", Fun::lam(|b, (u, v, end): (F32, F32, Vec3)| {
-            let s = surface(b, u, v);
-            let light = DirectLightSample {
-                wi: end - s.point,
-                pos: end,
-                distance: 1.0.into(),
-                intensity: black(),
-                pdf_dir: 1.0.into(),
-                is_delta: true.into(),
-                primitive: NONE.into(),
-                primitive1: NONE.into(),
-            };
-            spawn_shadow_ray(s, light)
-        }));
+        entry(
+            "offset",
+            Fun::lam(|b, (u, v, w): (F32, F32, Vec3)| {
+                let s = surface(b, u, v);
+                (s.point, s.error, s.face_normal, offset_origin(s, w))
+            }),
+        );
+        entry(
+            "shadow",
+            Fun::lam(|b, (u, v, end): (F32, F32, Vec3)| {
+                let s = surface(b, u, v);
+                let light = DirectLightSample {
+                    wi: end - s.point,
+                    pos: end,
+                    distance: 1.0.into(),
+                    intensity: black(),
+                    pdf_dir: 1.0.into(),
+                    is_delta: true.into(),
+                    primitive: NONE.into(),
+                    primitive1: NONE.into(),
+                };
+                spawn_shadow_ray(s, light)
+            }),
+        );
         let camera = make_perspective_camera();
-        entry("camera", Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng { key: 7.into(), dim: 0.into() }))));
+        entry(
+            "camera",
+            Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng { key: 7.into(), dim: 0.into() }))),
+        );
     });
     bench.rows::<Vertices>(3);
     bench.rows::<Normals>(3);
@@ -232,7 +254,9 @@ fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
     for (column, value) in [(Frame::WIDTH, 4_u32), (Frame::HEIGHT, 2)] {
         bench.set(column, 0, value);
     }
-    for (column, value) in [(Frame::RIGHT_X, 2.0_f32), (Frame::UP_Y, 1.0), (Frame::FORWARD_Z, -1.0), (Frame::EYE_Y, 5.0)] {
+    for (column, value) in
+        [(Frame::RIGHT_X, 2.0_f32), (Frame::UP_Y, 1.0), (Frame::FORWARD_Z, -1.0), (Frame::EYE_Y, 5.0)]
+    {
         bench.set(column, 0, value);
     }
     for (i, j) in (0..2).flat_map(|j| (0..4).map(move |i| (i, j))) {

@@ -48,7 +48,17 @@ fn bench(lights: usize) -> Bench {
 pub fn set_area(bench: &mut Bench, row: usize, kind: u32, corner: [f32; 3], e1: [f32; 3], e2: [f32; 3], area: f32) {
     bench.set(Lights::KIND, row, kind);
     bench.set(Lights::AREA, row, area);
-    let columns = [Lights::P_X, Lights::P_Y, Lights::P_Z, Lights::E1_X, Lights::E1_Y, Lights::E1_Z, Lights::E2_X, Lights::E2_Y, Lights::E2_Z];
+    let columns = [
+        Lights::P_X,
+        Lights::P_Y,
+        Lights::P_Z,
+        Lights::E1_X,
+        Lights::E1_Y,
+        Lights::E1_Z,
+        Lights::E2_X,
+        Lights::E2_Y,
+        Lights::E2_Z,
+    ];
     for (column, value) in columns.into_iter().zip([corner, e1, e2].concat()) {
         bench.set(column, row, value);
     }
@@ -68,7 +78,13 @@ fn sample(bench: &mut Bench, key: u32, point: [f32; 3], both: bool) -> Sample {
     let args = [key, 0, p[0], p[1], p[2]];
     let out = if both { bench.run_both("sample", &args) } else { bench.run("sample", &args) };
     let f = |i: usize| f32::from_bits(out[i]);
-    Sample { wi: [0, 1, 2].map(|i| f64::from(f(i))), pos: [f(3), f(4), f(5)], distance: f(6), intensity: f64::from(f(7)), pdf: f64::from(f(10)) }
+    Sample {
+        wi: [0, 1, 2].map(|i| f64::from(f(i))),
+        pos: [f(3), f(4), f(5)],
+        distance: f(6),
+        intensity: f64::from(f(7)),
+        pdf: f64::from(f(10)),
+    }
 }
 
 /// Mean and standard error.
@@ -85,7 +101,15 @@ fn a_quad_light_over_a_point_has_its_closed_form() {
     for (height, expected) in [(2.0_f32, 0.036738817), (1.0, 0.119728235), (0.5, 0.277063212)] {
         for kind in [LIGHT_QUAD, LIGHT_TRIANGLE] {
             // The light looks down; as a triangle only the half, which by symmetry gives half.
-            set_area(&mut bench, 0, kind, [-0.5, -0.5, height], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], if kind == LIGHT_QUAD { 1.0 } else { 0.5 });
+            set_area(
+                &mut bench,
+                0,
+                kind,
+                [-0.5, -0.5, height],
+                [0.0, 1.0, 0.0],
+                [1.0, 0.0, 0.0],
+                if kind == LIGHT_QUAD { 1.0 } else { 0.5 },
+            );
             let radiance = (0..40_000).map(|i| {
                 let s = sample(&mut bench, random.bits() as u32, [0.0; 3], i < 50);
                 assert!(s.wi[2] > 0.0 && s.pos[2] < height, "towards it, and a shadow ray ends in front of it");
@@ -93,7 +117,10 @@ fn a_quad_light_over_a_point_has_its_closed_form() {
             });
             let (mean, error) = mean(radiance);
             let expected = if kind == LIGHT_QUAD { expected } else { expected / 2.0 };
-            assert!((mean - expected).abs() < (4.0 * error).max(1e-5) && error < 0.005 * expected, "{mean} ± {error}, not {expected}");
+            assert!(
+                (mean - expected).abs() < (4.0 * error).max(1e-5) && error < 0.005 * expected,
+                "{mean} ± {error}, not {expected}"
+            );
         }
     }
     let behind = sample(&mut bench, 1, [0.0, 0.0, 5.0], true);
@@ -161,7 +188,8 @@ fn set_environment(bench: &mut Bench, map: &Image) {
     bench.set(Environment::ROTATION_SIN, 0, 1.0_f32);
     bench.rows::<EnvironmentTexels>(map.pixels.len());
     for (row, pixel) in map.pixels.iter().enumerate() {
-        for (column, value) in [EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B].into_iter().zip(pixel) {
+        for (column, value) in [EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B].into_iter().zip(pixel)
+        {
             bench.set(column, row, *value);
         }
     }
@@ -198,19 +226,25 @@ fn the_environment_is_drawn_by_its_density() {
             let s = sample(&mut bench, random.bits() as u32, [0.0; 3], i < 50);
             let (radiance, pdf) = environment(&mut bench, s.wi, false);
             assert!(s.pdf > 0.0 && s.pdf.is_finite() && s.intensity.is_finite(), "{name}");
-            assert!((radiance - s.intensity).abs() <= 2e-4 * (1.0 + s.intensity), "{name}: {radiance} is {}", s.intensity);
+            assert!(
+                (radiance - s.intensity).abs() <= 2e-4 * (1.0 + s.intensity),
+                "{name}: {radiance} is {}",
+                s.intensity
+            );
             // At the edge of a cell rounding may see the neighbour.
             same += u32::from((pdf / s.pdf - 1.0).abs() < 1e-3);
             s.intensity / s.pdf
         }));
         assert!(same > n - n / 1000, "{name}: two densities of a direction");
-        let uniform: Vec<(f64, f64)> = (0..n).map(|i| {
-            let (z, turn) = (2.0 * random.uniform() - 1.0, random.uniform() * std::f64::consts::TAU);
-            let r = (1.0_f64 - z * z).sqrt();
-            let (radiance, pdf) = environment(&mut bench, [r * turn.cos(), z, r * turn.sin()], i < 50);
-            assert!(radiance == 0.0 || pdf > 0.0, "{name}: light where there is no density");
-            (radiance, pdf)
-        }).collect();
+        let uniform: Vec<(f64, f64)> = (0..n)
+            .map(|i| {
+                let (z, turn) = (2.0 * random.uniform() - 1.0, random.uniform() * std::f64::consts::TAU);
+                let r = (1.0_f64 - z * z).sqrt();
+                let (radiance, pdf) = environment(&mut bench, [r * turn.cos(), z, r * turn.sin()], i < 50);
+                assert!(radiance == 0.0 || pdf > 0.0, "{name}: light where there is no density");
+                (radiance, pdf)
+            })
+            .collect();
         let sphere = 4.0 * std::f64::consts::PI;
         let flux = mean(uniform.iter().map(|x| x.0 * sphere));
         let whole = mean(uniform.iter().map(|x| x.1 * sphere));
@@ -231,7 +265,8 @@ fn the_environment_is_turned_about_y() {
     // Texel columns: 0 is where u is 1/8: seen against +x turned by −90° … the brightest is the last.
     set_environment(&mut bench, &Image::from_fn(4, 1, |x, _| [x as f32; 3]));
     // Unturned: u = 1/2 + atan2(x, −z)/2π. By 90° about +Y: what is seen towards d is the map at (−z, x).
-    for (dir, u) in [([0.0, 0.0, -1.0], 0.75), ([1.0, 0.0, 0.0], 0.0), ([0.0, 0.0, 1.0], 0.25), ([-1.0, 0.0, 0.0], 0.5)] {
+    for (dir, u) in [([0.0, 0.0, -1.0], 0.75), ([1.0, 0.0, 0.0], 0.0), ([0.0, 0.0, 1.0], 0.25), ([-1.0, 0.0, 0.0], 0.5)]
+    {
         let x: f64 = u * 4.0 - 0.5;
         let at = |i: f64| i.rem_euclid(4.0);
         let expected = 2.0 * (at(x.floor()) + at(x.floor() + 1.0)) / 2.0;

@@ -18,11 +18,14 @@ fn bench(rgba: [u8; 4]) -> Bench {
         let surf = move || -> SurfaceElement { surface(up(), up()) };
         entry("normal", Fun::<F32, Vec3>::lam(move |b, _| apply_normal_map(b, row(), surf()).local.normal));
         entry("emission", Fun::<Vec3, EmissionValue>::lam(move |b, w| make_emission(row(), surf()).call(b, w)));
-        entry("values", Fun::<F32, _>::lam(move |b, _| {
-            let base = base_color(b, row(), surf().uv);
-            let values = gltf_values(b, row(), base, surf().uv);
-            (base, values.metallic, values.alpha, values.specular, values.transmission)
-        }));
+        entry(
+            "values",
+            Fun::<F32, _>::lam(move |b, _| {
+                let base = base_color(b, row(), surf().uv);
+                let values = gltf_values(b, row(), base, surf().uv);
+                (base, values.metallic, values.alpha, values.specular, values.transmission)
+            }),
+        );
     });
     bench.rows::<SrgbCurve>(256);
     for code in 0..256 {
@@ -54,7 +57,8 @@ fn normal_maps_turn_the_normal() {
 #[test]
 fn textures_multiply_their_factors() {
     let mut bench = bench([51, 102, 204, 153]);
-    let factors = [Materials::ROUGHNESS, Materials::METALLIC, Materials::SPECULAR, Materials::TRANSMISSION, Materials::BASE_R];
+    let factors =
+        [Materials::ROUGHNESS, Materials::METALLIC, Materials::SPECULAR, Materials::TRANSMISSION, Materials::BASE_R];
     for column in factors {
         bench.set(column, 0, 0.5);
     }

@@ -84,17 +84,23 @@ impl Probe {
     /// A surface in the plane z = 0.
     pub fn new() -> Probe {
         let bench = Bench::new(|| {
-            entry("eval", Fun::lam(|b, (g, n, wi, wo): (Vec3, Vec3, Vec3, Vec3)| {
-                let bsdf = material(b, g, n).bsdf;
-                let f: Color = bsdf.eval.call(b, (wi, wo));
-                (f, bsdf.pdf.call(b, (wi, wo)), bsdf.is_specular.select(F32::from(1.0), 0.0.into()))
-            }));
-            entry("sample", Fun::lam(|b, (g, n, wo, key): (Vec3, Vec3, Vec3, U32)| {
-                let bsdf = material(b, g, n).bsdf;
-                let s: BsdfSample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
-                let f: Color = bsdf.eval.call(b, (s.wi, wo));
-                (s, f, bsdf.pdf.call(b, (s.wi, wo)))
-            }));
+            entry(
+                "eval",
+                Fun::lam(|b, (g, n, wi, wo): (Vec3, Vec3, Vec3, Vec3)| {
+                    let bsdf = material(b, g, n).bsdf;
+                    let f: Color = bsdf.eval.call(b, (wi, wo));
+                    (f, bsdf.pdf.call(b, (wi, wo)), bsdf.is_specular.select(F32::from(1.0), 0.0.into()))
+                }),
+            );
+            entry(
+                "sample",
+                Fun::lam(|b, (g, n, wo, key): (Vec3, Vec3, Vec3, U32)| {
+                    let bsdf = material(b, g, n).bsdf;
+                    let s: BsdfSample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
+                    let f: Color = bsdf.eval.call(b, (s.wi, wo));
+                    (s, f, bsdf.pdf.call(b, (s.wi, wo)))
+                }),
+            );
         });
         Probe { bench, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
     }

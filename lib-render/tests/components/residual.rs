@@ -13,11 +13,14 @@ use crate::probe::material;
 fn residual(structure: &[(u32, Lit)]) -> Program {
     let generic = Generic::new(build(|| {
         declare_all();
-        entry("scatter", Fun::lam(|b, (g, n, wi, wo, key): (Vec3, Vec3, Vec3, Vec3, U32)| {
-            let bsdf = material(b, g, n).bsdf;
-            let sample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
-            (sample, bsdf.eval.call(b, (wi, wo)), bsdf.pdf.call(b, (wi, wo)))
-        }));
+        entry(
+            "scatter",
+            Fun::lam(|b, (g, n, wi, wo, key): (Vec3, Vec3, Vec3, Vec3, U32)| {
+                let bsdf = material(b, g, n).bsdf;
+                let sample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
+                (sample, bsdf.eval.call(b, (wi, wo)), bsdf.pdf.call(b, (wi, wo)))
+            }),
+        );
     }));
     let known = |name: &str, set: &[(u32, Lit)]| {
         let buffer = generic.program().buffers.iter().find(|b| &*b.name == name).expect("declared");
@@ -37,7 +40,9 @@ fn residual(structure: &[(u32, Lit)]) -> Program {
     });
     let facts = Facts { tables: tables.collect() };
     let options = peval::Options::default();
-    peval::specialize(&generic, "scatter", &[Arg::Unknown; 13], &facts, &options).expect("it can be specialised").program
+    peval::specialize(&generic, "scatter", &[Arg::Unknown; 13], &facts, &options)
+        .expect("it can be specialised")
+        .program
 }
 
 /// Names of the columns that the residual reads, in order of the schema.

@@ -28,15 +28,21 @@ fn bench() -> Bench {
             let geometry = make_geometry(Row::<Geometries>::at(0u32), no_shader());
             (hit, geometry.surface_element.call(b, (ray, hit)))
         };
-        entry("leave", Fun::<(Ray, Vec3), (Hit, Hit)>::lam(move |b, (ray, dir)| {
-            let (hit, surf) = surface(b, ray);
-            (hit, traverse.call(b, (spawn_ray(surf, dir), Keep(false.into()), all)))
-        }));
-        entry("shadow", Fun::<(Ray, Rng), (Hit, Hit)>::lam(move |b, (ray, rng)| {
-            let (hit, surf) = surface(b, ray);
-            let light = sample_light(b, rng, surf.point);
-            (hit, traverse.call(b, (spawn_shadow_ray(surf, light), Keep(true.into()), all)))
-        }));
+        entry(
+            "leave",
+            Fun::<(Ray, Vec3), (Hit, Hit)>::lam(move |b, (ray, dir)| {
+                let (hit, surf) = surface(b, ray);
+                (hit, traverse.call(b, (spawn_ray(surf, dir), Keep(false.into()), all)))
+            }),
+        );
+        entry(
+            "shadow",
+            Fun::<(Ray, Rng), (Hit, Hit)>::lam(move |b, (ray, rng)| {
+                let (hit, surf) = surface(b, ray);
+                let light = sample_light(b, rng, surf.point);
+                (hit, traverse.call(b, (spawn_shadow_ray(surf, light), Keep(true.into()), all)))
+            }),
+        );
     })
 }
 
@@ -79,7 +85,9 @@ fn no_ray_meets_the_surface_it_leaves() {
     // pbrt's test: every coordinate has a size of its own. Many are needles, so the twin may be met.
     let mut left = 0;
     for _ in 0..1000 {
-        let coordinate = |random: &mut Random| 10.0_f32.powf(16.0 * random.uniform() as f32 - 8.0) * (2.0 * random.uniform() as f32 - 1.0);
+        let coordinate = |random: &mut Random| {
+            10.0_f32.powf(16.0 * random.uniform() as f32 - 8.0) * (2.0 * random.uniform() as f32 - 1.0)
+        };
         let t = [0; 3].map(|_| [0; 3].map(|_| coordinate(&mut random)));
         leave(&mut bench, &mut random, t, &mut |out| {
             left += 1;
@@ -138,15 +146,17 @@ fn blocked(bench: &mut Bench, random: &mut Random, triangles: &[Triangle], n: u3
     let edge = |q: [f32; 3]| [0, 1, 2].map(|k| q[k] - p[k]);
     set_area(bench, 0, LIGHT_QUAD, p, edge(a), edge(b), 4.0);
     let floor = triangles[0];
-    (0..n).map(|i| {
-        let (u, v) = (0.5 * random.uniform() as f32, 0.5 * random.uniform() as f32);
-        let aim = [0, 1, 2].map(|k| floor[0][k] * (1.0 - u - v) + floor[1][k] * u + floor[2][k] * v);
-        let org = [aim[0], aim[1], aim[2] - 1.0];
-        let args = [&ray(org, [0.0, 0.0, 1.0])[..], &[random.bits() as u32, 0]].concat();
-        let out = if i < 20 { bench.run_both("shadow", &args) } else { bench.run("shadow", &args) };
-        assert_eq!(out[0], 0, "the floor is seen");
-        u32::from(out[4] != NONE)
-    }).sum()
+    (0..n)
+        .map(|i| {
+            let (u, v) = (0.5 * random.uniform() as f32, 0.5 * random.uniform() as f32);
+            let aim = [0, 1, 2].map(|k| floor[0][k] * (1.0 - u - v) + floor[1][k] * u + floor[2][k] * v);
+            let org = [aim[0], aim[1], aim[2] - 1.0];
+            let args = [&ray(org, [0.0, 0.0, 1.0])[..], &[random.bits() as u32, 0]].concat();
+            let out = if i < 20 { bench.run_both("shadow", &args) } else { bench.run("shadow", &args) };
+            assert_eq!(out[0], 0, "the floor is seen");
+            u32::from(out[4] != NONE)
+        })
+        .sum()
 }
 
 #[test]

@@ -46,7 +46,19 @@ fn reds(bench: &mut Bench, uvs: &[(f32, f32)]) -> Vec<f32> {
 
 /// Points where texture coordinates are hard.
 const HARD: [f32; 14] = [
-    -1e-9, 0.0, -0.0, 1.0, -1.0, 0.999_999_94, 1e7, -1e7, 1e7 + 1.0, 3e38, -3e38, f32::INFINITY, f32::NEG_INFINITY,
+    -1e-9,
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.999_999_94,
+    1e7,
+    -1e7,
+    1e7 + 1.0,
+    3e38,
+    -3e38,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
     f32::NAN,
 ];
 
@@ -74,7 +86,10 @@ fn no_coordinate_leaves_the_image() {
                 let points: Vec<(f32, f32)> = HARD.iter().flat_map(|u| HARD.map(|v| (*u, v))).collect();
                 for (x, at) in reds(&mut bench, &points).iter().zip(&points) {
                     let last = (w * h - 1) as f32;
-                    assert!((-1e-3..=last + 1e-3).contains(x), "{w} x {h}, filter {filter}, wrap {wrap}: {x} at {at:?}");
+                    assert!(
+                        (-1e-3..=last + 1e-3).contains(x),
+                        "{w} x {h}, filter {filter}, wrap {wrap}: {x} at {at:?}"
+                    );
                 }
             }
         }
@@ -134,10 +149,13 @@ fn transforms_and_checkerboards() {
 #[test]
 fn alpha_decides_whether_a_surface_is_there() {
     let mut bench = Bench::new(|| {
-        entry("is_there", Fun::<U32, _>::lam(|b, key| {
-            let rng = Rng { key, dim: 0u32.into() };
-            is_there(b, Row::<Materials>::at(0u32), [vec2(0.0, 0.0); 2], rng, 1u32.into(), 7u32.into())
-        }));
+        entry(
+            "is_there",
+            Fun::<U32, _>::lam(|b, key| {
+                let rng = Rng { key, dim: 0u32.into() };
+                is_there(b, Row::<Materials>::at(0u32), [vec2(0.0, 0.0); 2], rng, 1u32.into(), 7u32.into())
+            }),
+        );
     });
     let mut there = |mode: u32, alpha: f32| {
         bench.set(Materials::ALPHA_MODE, 0, mode);

@@ -1,7 +1,7 @@
 //! What a ray hits: watertight, the same for every tree, and as [`accept`](jerboa_lib_render::traverse::AcceptFn) says.
 //! `JERBOA_RAYS=N` sends N rays to the sphere at each place instead of 3,000, and as many more to the random trees.
 
-use jerboa_ir::lang::{Bool, Keep, entry, Fun};
+use jerboa_ir::lang::{Bool, Fun, Keep, entry};
 use jerboa_lib_render::host::bvh::{Bounds, Bvh, BvhNode, ChildRef, Triangle};
 use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{NONE, Nodes, Settings, Triangles};
@@ -65,7 +65,10 @@ fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 /// The unit sphere about 0 by latitude and longitude: closed, corners shared to the bit.
 fn sphere(around: usize) -> Vec<Triangle> {
     let at = |i: usize, j: usize| {
-        let (theta, phi) = (std::f64::consts::PI * i as f64 / (around / 2) as f64, std::f64::consts::TAU * (j % around) as f64 / around as f64);
+        let (theta, phi) = (
+            std::f64::consts::PI * i as f64 / (around / 2) as f64,
+            std::f64::consts::TAU * (j % around) as f64 / around as f64,
+        );
         if i == 0 || 2 * i == around {
             return [0.0, 0.0, if i == 0 { 1.0 } else { -1.0 }];
         }
@@ -83,7 +86,15 @@ fn sphere(around: usize) -> Vec<Triangle> {
 fn a_closed_sphere_has_no_holes() {
     let mut random = Random::new(0x5eed_0001);
     let mut bench = bench();
-    let places = [([0.0; 3], 1.0), ([0.0; 3], 1e-15), ([0.0; 3], 1e15), ([1.37, -2.21, 0.5], 1.0), ([148376.0, 1234.0, -223423.0], 1.0), ([1e6; 3], 1.0), ([1.0; 3], 1e-3)];
+    let places = [
+        ([0.0; 3], 1.0),
+        ([0.0; 3], 1e-15),
+        ([0.0; 3], 1e15),
+        ([1.37, -2.21, 0.5], 1.0),
+        ([148376.0, 1234.0, -223423.0], 1.0),
+        ([1e6; 3], 1.0),
+        ([1.0; 3], 1e-3),
+    ];
     for (centre, scale) in places {
         let place = |p: [f32; 3]| [0, 1, 2].map(|k| p[k] * scale + centre[k]);
         let triangles: Vec<Triangle> = sphere(24).into_iter().map(|t| t.map(place)).collect();

@@ -30,7 +30,12 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
     let dom = Dominance::new(draft);
     for c in &order {
         let group = groups.entry(hashes[c.index()]).or_default();
-        match group.iter().rev().take(CANDIDATES).find(|first| steps > 0 && *c != draft.entry && Compare::new(draft, &dom, &mut steps).equal(*c, **first)) {
+        match group
+            .iter()
+            .rev()
+            .take(CANDIDATES)
+            .find(|first| steps > 0 && *c != draft.entry && Compare::new(draft, &dom, &mut steps).equal(*c, **first))
+        {
             Some(first) => {
                 let (from, to) = (draft.world.cont_value(*c), draft.world.cont_value(*first));
                 subst.insert(from, to);

@@ -22,7 +22,13 @@ fn same_sides(draft: &mut Draft) -> u64 {
         };
         let to = match &mut draft.world.cont_mut(c).body {
             Body::Branch { then, other, .. } if then == other => *then,
-            Body::Branch { then, other, .. } if known.is_some() => if known == Some(0) { *other } else { *then },
+            Body::Branch { then, other, .. } if known.is_some() => {
+                if known == Some(0) {
+                    *other
+                } else {
+                    *then
+                }
+            }
             Body::Switch { arms, default, .. } if known.is_some() => {
                 arms.iter().find(|(number, _)| known == Some(*number)).map_or(*default, |(_, arm)| *arm)
             }

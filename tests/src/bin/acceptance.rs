@@ -51,7 +51,9 @@ fn main() -> ExitCode {
 
 fn run() -> Result<bool, String> {
     let args = parse()?;
-    println!("| scene | renders are | spp | renders | rms z | blocks beyond 1 % | max z | mean error, sigmas | verdict |");
+    println!(
+        "| scene | renders are | spp | renders | rms z | blocks beyond 1 % | max z | mean error, sigmas | verdict |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut as_expected = true;
     for scene in &args.scenes {
@@ -112,7 +114,9 @@ fn t13(name: &str, args: &Args) -> Result<bool, String> {
         Some(Red::Mask) => Ok(!row("without alpha", &renders)?),
         None => {
             let all = |spoil: fn(&Image) -> Image| renders.iter().map(spoil).collect::<Vec<_>>();
-            Ok(row("as they are", &renders)? & !row("2 % darker", &all(darker))? & !row("shifted by a pixel", &all(shifted))?)
+            Ok(row("as they are", &renders)?
+                & !row("2 % darker", &all(darker))?
+                & !row("shifted by a pixel", &all(shifted))?)
         }
     }
 }

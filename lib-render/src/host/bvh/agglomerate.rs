@@ -32,11 +32,7 @@ pub(super) fn build(boxes: &[Bounds]) -> Option<Tree> {
     }
     let bvh = run_obvhs(&unit);
     let mut tree = Tree::default();
-    let convert = Convert {
-        heights: heights(&bvh),
-        bvh: &bvh,
-        boxes,
-    };
+    let convert = Convert { heights: heights(&bvh), bvh: &bvh, boxes };
     convert.node(&mut tree, 0, 0);
     Some(tree)
 }
@@ -45,15 +41,9 @@ pub(super) fn build(boxes: &[Bounds]) -> Option<Tree> {
 fn to_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
     let all = boxes.iter().fold(Bounds::EMPTY, |all, b| all.union(b));
     let side = all.extent().into_iter().fold(0.0, f64::max);
-    let map = |p: [f32; 3]| {
-        Vec3A::from_array(
-            [0, 1, 2].map(|k| ((f64::from(p[k]) - f64::from(all.lo[k])) / side) as f32),
-        )
-    };
-    boxes
-        .iter()
-        .map(|b| Aabb::new(map(b.lo), map(b.hi)))
-        .collect()
+    let map =
+        |p: [f32; 3]| Vec3A::from_array([0, 1, 2].map(|k| ((f64::from(p[k]) - f64::from(all.lo[k])) / side) as f32));
+    boxes.iter().map(|b| Aabb::new(map(b.lo), map(b.hi))).collect()
 }
 
 /// Whether merging, rehearsed with direct neighbours only, gets down to [`FEW`] boxes within [`PASSES`].
@@ -79,11 +69,7 @@ fn merge_neighbours(row: &[Aabb]) -> Vec<Aabb> {
     let mut before = f32::INFINITY;
     while i + 1 < row.len() {
         let with_next = cost(i);
-        let after = if i + 2 < row.len() {
-            cost(i + 1)
-        } else {
-            f32::INFINITY
-        };
+        let after = if i + 2 < row.len() { cost(i + 1) } else { f32::INFINITY };
         if with_next <= before && with_next < after {
             merged.push(row[i].union(&row[i + 1]));
             i += 2;
@@ -111,8 +97,7 @@ fn run_obvhs(unit: &[Aabb]) -> Bvh2 {
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut bvh, settings.reinsertion_batch_ratio, None);
     collapse(&mut bvh, MAX_LEAF as u32, settings.collapse_traversal_cost);
-    let ratio = settings.reinsertion_batch_ratio
-        * settings.post_collapse_reinsertion_batch_ratio_multiplier;
+    let ratio = settings.reinsertion_batch_ratio * settings.post_collapse_reinsertion_batch_ratio_multiplier;
     reinsertion.run(&mut bvh, ratio, None);
     bvh
 }

@@ -11,16 +11,11 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box of nothing: no ray hits it, and it changes no union.
-    pub const EMPTY: Bounds = Bounds {
-        lo: [f32::INFINITY; 3],
-        hi: [f32::NEG_INFINITY; 3],
-    };
+    pub const EMPTY: Bounds = Bounds { lo: [f32::INFINITY; 3], hi: [f32::NEG_INFINITY; 3] };
 
     /// The smallest box around `points`.
     pub fn of(points: &[[f32; 3]]) -> Bounds {
-        points.iter().fold(Bounds::EMPTY, |all, p| {
-            all.union(&Bounds { lo: *p, hi: *p })
-        })
+        points.iter().fold(Bounds::EMPTY, |all, p| all.union(&Bounds { lo: *p, hi: *p }))
     }
 
     /// The smallest box around both.

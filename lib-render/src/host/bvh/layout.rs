@@ -41,10 +41,7 @@ impl ChildRef {
         if word & LEAF == 0 {
             return ChildRef::Inner(word);
         }
-        ChildRef::Leaf {
-            first: word & (MAX_SLOTS as u32 - 1),
-            count: (word & !LEAF) >> SLOT_BITS,
-        }
+        ChildRef::Leaf { first: word & (MAX_SLOTS as u32 - 1), count: (word & !LEAF) >> SLOT_BITS }
     }
 }
 
@@ -66,14 +63,8 @@ impl BvhNode {
     /// references (12, 13); two zeros.
     pub fn words(&self) -> [u32; BvhNode::WORDS] {
         let mut words = [0; BvhNode::WORDS];
-        let corners = self
-            .bounds
-            .iter()
-            .flat_map(|b| b.lo.into_iter().chain(b.hi));
-        words
-            .iter_mut()
-            .zip(corners)
-            .for_each(|(word, x)| *word = x.to_bits());
+        let corners = self.bounds.iter().flat_map(|b| b.lo.into_iter().chain(b.hi));
+        words.iter_mut().zip(corners).for_each(|(word, x)| *word = x.to_bits());
         words[12..14].copy_from_slice(&self.child);
         words
     }
@@ -88,36 +79,16 @@ pub(super) struct LaidOut {
 
 /// Writes `tree` depth first, the larger child first: a ray more often goes on with what lies next in memory.
 pub(super) fn lay_out(tree: &Tree) -> LaidOut {
-    let mut writer = Writer {
-        tree,
-        out: LaidOut {
-            nodes: Vec::new(),
-            order: Vec::new(),
-            depth: 0,
-        },
-    };
+    let mut writer = Writer { tree, out: LaidOut { nodes: Vec::new(), order: Vec::new(), depth: 0 } };
     let root = tree.root();
     if let ChildRef::Inner(_) = writer.write(root, 0) {
         return writer.out;
     }
     // A root that is a leaf becomes the only child of a node.
     let LaidOut { order, .. } = writer.out;
-    let child = [
-        ChildRef::Leaf {
-            first: 0,
-            count: order.len() as u32,
-        },
-        ChildRef::EMPTY,
-    ];
-    let node = BvhNode {
-        bounds: [tree.bounds_of(root), Bounds::EMPTY],
-        child: child.map(ChildRef::encode),
-    };
-    LaidOut {
-        nodes: vec![node],
-        order,
-        depth: 1,
-    }
+    let child = [ChildRef::Leaf { first: 0, count: order.len() as u32 }, ChildRef::EMPTY];
+    let node = BvhNode { bounds: [tree.bounds_of(root), Bounds::EMPTY], child: child.map(ChildRef::encode) };
+    LaidOut { nodes: vec![node], order, depth: 1 }
 }
 
 struct Writer<'a> {
@@ -131,13 +102,8 @@ impl Writer<'_> {
         match self.tree.kind_of(node) {
             Kind::Leaf(range) => {
                 let first = self.out.order.len() as u32;
-                self.out
-                    .order
-                    .extend_from_slice(&self.tree.order[range.clone()]);
-                ChildRef::Leaf {
-                    first,
-                    count: range.len() as u32,
-                }
+                self.out.order.extend_from_slice(&self.tree.order[range.clone()]);
+                ChildRef::Leaf { first, count: range.len() as u32 }
             }
             Kind::Inner(children) => {
                 let index = self.out.nodes.len();
@@ -147,12 +113,8 @@ impl Writer<'_> {
                     children.swap(0, 1);
                 }
                 let bounds = children.map(|child| self.tree.bounds_of(child));
-                self.out.nodes.push(BvhNode {
-                    bounds,
-                    child: [0; 2],
-                });
-                self.out.nodes[index].child =
-                    children.map(|child| self.write(child, depth + 1).encode());
+                self.out.nodes.push(BvhNode { bounds, child: [0; 2] });
+                self.out.nodes[index].child = children.map(|child| self.write(child, depth + 1).encode());
                 self.out.depth = self.out.depth.max(depth + 1);
                 ChildRef::Inner(index as u32)
             }

@@ -39,11 +39,5 @@ fn widest_axis(members: &[u32], boxes: &[Bounds]) -> usize {
             hi[k] = hi[k].max(c);
         }
     }
-    (0..3).fold(0, |best, k| {
-        if hi[k] - lo[k] > hi[best] - lo[best] {
-            k
-        } else {
-            best
-        }
-    })
+    (0..3).fold(0, |best, k| if hi[k] - lo[k] > hi[best] - lo[best] { k } else { best })
 }

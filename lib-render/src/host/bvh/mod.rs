@@ -74,10 +74,7 @@ impl Bvh {
     /// # Panics
     /// If more than 2^27 triangles are given; the loader's limits lie below.
     pub fn build(triangles: &[Triangle]) -> Bvh {
-        assert!(
-            triangles.len() <= layout::MAX_SLOTS,
-            "Bvh::build: more than 2^27 triangles; split the scene"
-        );
+        assert!(triangles.len() <= layout::MAX_SLOTS, "Bvh::build: more than 2^27 triangles; split the scene");
         let usable = prefilter::usable(triangles);
         let tree = if usable.bounds.len() <= MAX_LEAF {
             median::build(&usable.bounds)
@@ -87,11 +84,7 @@ impl Bvh {
         let laid_out = layout::lay_out(&tree);
         Bvh {
             nodes: laid_out.nodes,
-            order: laid_out
-                .order
-                .iter()
-                .map(|&i| usable.numbers[i as usize])
-                .collect(),
+            order: laid_out.order.iter().map(|&i| usable.numbers[i as usize]).collect(),
             bounds: tree.bounds(),
             depth: laid_out.depth,
             dropped: usable.dropped,

@@ -22,11 +22,7 @@ pub(super) struct Usable {
 
 /// Sorts out triangles that no ray can hit.
 pub(super) fn usable(triangles: &[Triangle]) -> Usable {
-    let mut usable = Usable {
-        numbers: Vec::new(),
-        bounds: Vec::new(),
-        dropped: Dropped::default(),
-    };
+    let mut usable = Usable { numbers: Vec::new(), bounds: Vec::new(), dropped: Dropped::default() };
     for (number, triangle) in triangles.iter().enumerate() {
         if !triangle.as_flattened().iter().all(|x| x.is_finite()) {
             usable.dropped.non_finite += 1;
@@ -44,10 +40,6 @@ pub(super) fn usable(triangles: &[Triangle]) -> Usable {
 fn has_zero_area([a, b, c]: &Triangle) -> bool {
     let edge = |to: &[f32; 3]| [0, 1, 2].map(|k| f64::from(to[k]) - f64::from(a[k]));
     let (e, f) = (edge(b), edge(c));
-    let cross = [
-        e[1] * f[2] - e[2] * f[1],
-        e[2] * f[0] - e[0] * f[2],
-        e[0] * f[1] - e[1] * f[0],
-    ];
+    let cross = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
     cross == [0.0; 3]
 }

@@ -22,9 +22,7 @@ pub(super) type Hit = (f32, u32);
 
 /// The closest hit with t > 0 among all triangles but the dropped ones, tried one by one.
 pub(super) fn brute_force(ray: &Ray, triangles: &[Triangle], numbers: &[u32]) -> Option<Hit> {
-    let hits = numbers
-        .iter()
-        .filter_map(|&n| Some((intersect(ray, &triangles[n as usize])?, n)));
+    let hits = numbers.iter().filter_map(|&n| Some((intersect(ray, &triangles[n as usize])?, n)));
     hits.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
 }
 
@@ -63,11 +61,7 @@ fn enters(ray: &Ray, b: &Bounds, far: f32) -> bool {
     let (mut near_t, mut far_t) = (0.0_f32, far);
     for k in 0..3 {
         let inverse = 1.0 / ray.direction[k];
-        let (near, far) = if inverse.is_sign_negative() {
-            (b.hi[k], b.lo[k])
-        } else {
-            (b.lo[k], b.hi[k])
-        };
+        let (near, far) = if inverse.is_sign_negative() { (b.hi[k], b.lo[k]) } else { (b.lo[k], b.hi[k]) };
         let entry = (near - ray.origin[k]) * inverse * NEAR_PAD;
         let exit = (far - ray.origin[k]) * inverse * FAR_PAD;
         near_t = if entry > near_t { entry } else { near_t };
@@ -79,10 +73,7 @@ fn enters(ray: &Ray, b: &Bounds, far: f32) -> bool {
 /// t of the ray in the triangle, if positive and finite.
 fn intersect(ray: &Ray, triangle: &Triangle) -> Option<f32> {
     let d = ray.direction;
-    let z = (0..3).fold(
-        0,
-        |best, k| if d[k].abs() > d[best].abs() { k } else { best },
-    );
+    let z = (0..3).fold(0, |best, k| if d[k].abs() > d[best].abs() { k } else { best });
     let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
     if d[z] < 0.0 {
         (x, y) = (y, x);
@@ -90,17 +81,9 @@ fn intersect(ray: &Ray, triangle: &Triangle) -> Option<f32> {
     let [shear_x, shear_y, scale] = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
     let [a, b, c] = triangle.map(|v| {
         let to = [0, 1, 2].map(|k| v[k] - ray.origin[k]);
-        [
-            to[x] - shear_x * to[z],
-            to[y] - shear_y * to[z],
-            scale * to[z],
-        ]
+        [to[x] - shear_x * to[z], to[y] - shear_y * to[z], scale * to[z]]
     });
-    let edges = [
-        c[0] * b[1] - c[1] * b[0],
-        a[0] * c[1] - a[1] * c[0],
-        b[0] * a[1] - b[1] * a[0],
-    ];
+    let edges = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
     if edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0) {
         return None;
     }

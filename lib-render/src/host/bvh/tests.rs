@@ -22,10 +22,7 @@ fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
 }
 
 fn scaled(triangles: &[Triangle], by: f32) -> Vec<Triangle> {
-    triangles
-        .iter()
-        .map(|t| t.map(|v| v.map(|x| x * by)))
-        .collect()
+    triangles.iter().map(|t| t.map(|v| v.map(|x| x * by))).collect()
 }
 
 /// Checks everything that holds for any tree, and returns it.
@@ -61,24 +58,15 @@ fn build(triangles: &[Triangle]) -> Bvh {
                 assert!(count as usize <= MAX_LEAF);
                 let members = &bvh.order[first as usize..][..count as usize];
                 let bounds = members.iter().map(|&n| Bounds::of(&triangles[n as usize]));
-                assert_eq!(
-                    node.bounds[side],
-                    bounds.fold(Bounds::EMPTY, |all, b| all.union(&b))
-                );
+                assert_eq!(node.bounds[side], bounds.fold(Bounds::EMPTY, |all, b| all.union(&b)));
                 last.push((first, count));
                 next_slot += count as usize;
             }
         }
     }
-    assert_eq!(
-        (next_node, next_slot, deepest),
-        (bvh.nodes.len(), bvh.order.len(), bvh.depth)
-    );
+    assert_eq!((next_node, next_slot, deepest), (bvh.nodes.len(), bvh.order.len(), bvh.depth));
     last.sort_unstable();
-    assert!(
-        last.windows(2).all(|w| w[0].0 + w[0].1 <= w[1].0),
-        "leaves do not overlap"
-    );
+    assert!(last.windows(2).all(|w| w[0].0 + w[0].1 <= w[1].0), "leaves do not overlap");
     bvh
 }
 
@@ -89,14 +77,10 @@ fn rays(random: &mut Random, triangles: &[Triangle], count: usize, scale: f32) -
         let triangle = triangles[(random.bits() % triangles.len() as u64) as usize];
         let target = match i % 3 {
             0 => triangle[i % 2],
-            1 => [0, 1, 2]
-                .map(|k| triangle[0][k] / 3.0 + triangle[1][k] / 3.0 + triangle[2][k] / 3.0),
+            1 => [0, 1, 2].map(|k| triangle[0][k] / 3.0 + triangle[1][k] / 3.0 + triangle[2][k] / 3.0),
             _ => random.point().map(|x| x * scale),
         };
-        Ray {
-            origin,
-            direction: [0, 1, 2].map(|k| (target[k] - origin[k]) / scale),
-        }
+        Ray { origin, direction: [0, 1, 2].map(|k| (target[k] - origin[k]) / scale) }
     };
     (0..count).map(&mut ray).collect()
 }
@@ -107,11 +91,7 @@ fn check_hits(triangles: &[Triangle], rays: &[Ray]) -> f64 {
     let hits = rays.iter().filter(|ray| {
         let expected = brute_force(ray, triangles, &bvh.order);
         let found = traverse(ray, &bvh, triangles);
-        assert_eq!(
-            found.map(|(t, n)| (t.to_bits(), n)),
-            expected.map(|(t, n)| (t.to_bits(), n)),
-            "{ray:?}"
-        );
+        assert_eq!(found.map(|(t, n)| (t.to_bits(), n)), expected.map(|(t, n)| (t.to_bits(), n)), "{ray:?}");
         found.is_some()
     });
     hits.count() as f64 / rays.len() as f64
@@ -149,18 +129,9 @@ fn ties_go_to_the_smallest_number_in_any_order() {
 fn none_one_and_two_triangles() {
     let triangle = |z: f32| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
     let empty = build(&[]);
-    assert_eq!(
-        (empty.nodes.len(), empty.depth, empty.bounds),
-        (1, 1, Bounds::EMPTY)
-    );
-    assert_eq!(
-        empty.nodes[0].child.map(ChildRef::decode),
-        [ChildRef::EMPTY; 2]
-    );
-    let ray = Ray {
-        origin: [0.2, 0.2, 0.0],
-        direction: [0.0, 0.0, 1.0],
-    };
+    assert_eq!((empty.nodes.len(), empty.depth, empty.bounds), (1, 1, Bounds::EMPTY));
+    assert_eq!(empty.nodes[0].child.map(ChildRef::decode), [ChildRef::EMPTY; 2]);
+    let ray = Ray { origin: [0.2, 0.2, 0.0], direction: [0.0, 0.0, 1.0] };
     assert_eq!(traverse(&ray, &empty, &[]), None);
     let one = [triangle(3.0)];
     assert_eq!(traverse(&ray, &build(&one), &one).map(|hit| hit.1), Some(0));
@@ -172,13 +143,7 @@ fn none_one_and_two_triangles() {
 fn what_cannot_be_hit_is_dropped_and_counted() {
     let mut random = random();
     let points = soup(&mut random, 1000, 0.0);
-    assert_eq!(
-        build(&points).dropped,
-        Dropped {
-            non_finite: 0,
-            zero_area: 1000
-        }
-    );
+    assert_eq!(build(&points).dropped, Dropped { non_finite: 0, zero_area: 1000 });
     let mut triangles = soup(&mut random, 10_000, 0.01);
     for i in (0..triangles.len()).step_by(100) {
         triangles[i][i % 3][i % 2] = f32::NAN;
@@ -186,13 +151,7 @@ fn what_cannot_be_hit_is_dropped_and_counted() {
     triangles[1][0][0] = f32::INFINITY;
     triangles[2] = [[0.0; 3], [1.0; 3], [3.0; 3]];
     let bvh = build(&triangles);
-    assert_eq!(
-        bvh.dropped,
-        Dropped {
-            non_finite: 101,
-            zero_area: 1
-        }
-    );
+    assert_eq!(bvh.dropped, Dropped { non_finite: 101, zero_area: 1 });
     assert!(bvh.bounds.hi.iter().all(|x| *x < 1.1));
 }
 
@@ -213,11 +172,7 @@ fn extreme_sizes_build_trees_like_ordinary_ones() {
     let ordinary = build(&unit).depth;
     // A tenth of the largest float; and down to 2^-120 each coordinate keeps its bits, so the tree stays the same.
     for scale in [2.0_f32.powi(124), 2.0_f32.powi(-90)] {
-        assert_eq!(
-            build(&scaled(&unit, scale)).depth,
-            ordinary,
-            "scale {scale:e}"
-        );
+        assert_eq!(build(&scaled(&unit, scale)).depth, ordinary, "scale {scale:e}");
     }
     let huge = scaled(&unit, 3.3e38);
     assert!(build(&huge).dropped.non_finite < huge.len());
@@ -274,28 +229,13 @@ fn references_and_words_say_what_they_were_given() {
         ChildRef::Inner(0),
         ChildRef::Inner((1 << 31) - 1),
         ChildRef::EMPTY,
-        ChildRef::Leaf {
-            first: (1 << 27) - 1,
-            count: 8,
-        },
+        ChildRef::Leaf { first: (1 << 27) - 1, count: 8 },
     ] {
         assert_eq!(ChildRef::decode(child.encode()), child);
     }
-    let bounds = [
-        Bounds {
-            lo: [1.0, 2.0, 3.0],
-            hi: [4.0, 5.0, 6.0],
-        },
-        Bounds {
-            lo: [7.0, 8.0, 9.0],
-            hi: [10.0, 11.0, 12.0],
-        },
-    ];
-    let words = BvhNode {
-        bounds,
-        child: [13, 14],
-    }
-    .words();
+    let bounds =
+        [Bounds { lo: [1.0, 2.0, 3.0], hi: [4.0, 5.0, 6.0] }, Bounds { lo: [7.0, 8.0, 9.0], hi: [10.0, 11.0, 12.0] }];
+    let words = BvhNode { bounds, child: [13, 14] }.words();
     assert!((0..12).all(|i| f32::from_bits(words[i]) == i as f32 + 1.0));
     assert_eq!(words[12..], [13, 14, 0, 0]);
 }

@@ -32,9 +32,7 @@ impl Tree {
     pub fn leaf(&mut self, members: &[u32], boxes: &[Bounds]) -> NodeId {
         let first = self.order.len();
         self.order.extend_from_slice(members);
-        let bounds = members
-            .iter()
-            .fold(Bounds::EMPTY, |all, &i| all.union(&boxes[i as usize]));
+        let bounds = members.iter().fold(Bounds::EMPTY, |all, &i| all.union(&boxes[i as usize]));
         self.push(bounds, Kind::Leaf(first..self.order.len()))
     }
 

@@ -39,7 +39,8 @@ pub fn classify(memory: &mut [Memory], known: Known) -> Facts {
     }
     // A class refines with the classes it refers to; references form no cycle, so this settles.
     loop {
-        let refined: Vec<Vec<u32>> = BUFFERS.iter().enumerate().map(|(b, s)| partition(b, s, memory, &classes, known)).collect();
+        let refined: Vec<Vec<u32>> =
+            BUFFERS.iter().enumerate().map(|(b, s)| partition(b, s, memory, &classes, known)).collect();
         if refined == classes {
             break;
         }
@@ -91,7 +92,8 @@ fn facts(b: usize, spec: &Spec, memory: &[Memory], classes: &[Vec<u32>], known: 
     }
     let class_of = classes[b].clone();
     let count = class_of.iter().max().map_or(1, |c| c + 1);
-    let first: Vec<usize> = (0..count).map(|k| class_of.iter().position(|c| *c == k).expect("numbered by occurrence")).collect();
+    let first: Vec<usize> =
+        (0..count).map(|k| class_of.iter().position(|c| *c == k).expect("numbered by occurrence")).collect();
     let word = |row: usize, col: usize| memory[b].words[row * spec.3.len() + col];
     let column = |(col, c): (usize, &jerboa_ir::lang::ColumnSpec)| match c.ty {
         _ if col == 0 || !known.knows(c.time) => ColumnFacts::Unknown,

@@ -63,7 +63,8 @@ impl Geometry {
     fn add(&mut self, number: u32, instance: &Instance, mesh: &Mesh, rows: &mut HashMap<[u32; 5], u32>) {
         let to_world = DAffine3 { translation: instance.to_world.translation - self.origin, ..instance.to_world };
         let first = self.vertices.rows();
-        let positions: Vec<Vec3> = mesh.positions.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
+        let positions: Vec<Vec3> =
+            mesh.positions.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
         for p in &positions {
             self.vertices.push().set_all([Vertices::X, Vertices::Y, Vertices::Z], p.to_array());
         }
@@ -90,7 +91,13 @@ impl Geometry {
         *rows.entry(key).or_insert_with(|| {
             use Geometries as G;
             let row = geometries.rows();
-            geometries.push().set(G::HAS_NORMALS, n).set(G::HAS_UV0, u0).set(G::HAS_UV1, u1).set(G::HAS_TANGENTS, t).set(G::MATERIAL, key[4]);
+            geometries
+                .push()
+                .set(G::HAS_NORMALS, n)
+                .set(G::HAS_UV0, u0)
+                .set(G::HAS_UV1, u1)
+                .set(G::HAS_TANGENTS, t)
+                .set(G::MATERIAL, key[4]);
             row
         })
     }
@@ -100,7 +107,13 @@ impl Geometry {
         use Primitives as P;
         let mut table = Table::<P>::new();
         for (i, [a, b, c]) in self.corners.iter().enumerate() {
-            table.push().set(P::I0, *a).set(P::I1, *b).set(P::I2, *c).set(P::GEOMETRY, self.geometry_of[i]).set(P::LIGHT, light_of[i]);
+            table
+                .push()
+                .set(P::I0, *a)
+                .set(P::I1, *b)
+                .set(P::I2, *c)
+                .set(P::GEOMETRY, self.geometry_of[i])
+                .set(P::LIGHT, light_of[i]);
         }
         table.finish()
     }
@@ -145,7 +158,8 @@ impl Attributes {
         }
         if let Some(tangents) = &mesh.tangents {
             self.tangents.resize(first, Vec4::ZERO);
-            let world = |t: &Vec4| (to_world * t.truncate().as_dvec3()).normalize_or_zero().as_vec3().extend(t.w * sign as f32);
+            let world =
+                |t: &Vec4| (to_world * t.truncate().as_dvec3()).normalize_or_zero().as_vec3().extend(t.w * sign as f32);
             self.tangents.extend(tangents.iter().map(world));
         }
     }

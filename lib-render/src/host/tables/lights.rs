@@ -104,7 +104,8 @@ fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {
 fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Candidate> + 'a {
     let emissive = |p: usize| scene.materials[geometry.materials[p] as usize].is_emissive();
     // Looked at once for each material: an image may have millions of texels, a mesh millions of triangles.
-    let means: Vec<f64> = scene.materials.iter().map(|m| if m.is_emissive() { texture_mean(scene, m) } else { 0.0 }).collect();
+    let means: Vec<f64> =
+        scene.materials.iter().map(|m| if m.is_emissive() { texture_mean(scene, m) } else { 0.0 }).collect();
     let mut next = 0;
     std::iter::from_fn(move || {
         while next < geometry.triangles.len() {
@@ -116,13 +117,21 @@ fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Ca
             }
             let m = &scene.materials[geometry.materials[p] as usize];
             let same = |q: usize| {
-                q < geometry.triangles.len() && geometry.instances[q] == geometry.instances[p] && m.emissive_texture.is_none()
+                q < geometry.triangles.len()
+                    && geometry.instances[q] == geometry.instances[p]
+                    && m.emissive_texture.is_none()
             };
-            let other = if same(p + 1) { parallelogram(&geometry.triangles[p], &geometry.triangles[p + 1]) } else { None };
+            let other =
+                if same(p + 1) { parallelogram(&geometry.triangles[p], &geometry.triangles[p + 1]) } else { None };
             next += usize::from(other.is_some());
             let sides = if m.double_sided { 2.0 } else { 1.0 };
             let halves = if other.is_some() { 2.0 } else { 1.0 };
-            let power = luminance(m.emissive) * means[geometry.materials[p] as usize] * area * halves * sides * std::f64::consts::PI;
+            let power = luminance(m.emissive)
+                * means[geometry.materials[p] as usize]
+                * area
+                * halves
+                * sides
+                * std::f64::consts::PI;
             let other = other.map(|corner| Quad { primitive: p as u32 + 1, corner });
             return Some(Candidate { power, kind: Kind::Area { primitive: p as u32, other } });
         }
@@ -161,7 +170,9 @@ fn parallelogram(t: &Triangle, s: &Triangle) -> Option<usize> {
         let size = e1.abs().max(e2.abs()).max_element().max(p.abs().max_element());
         let near = |x: [f32; 3], y: Vec3| (Vec3::from(x) - y).abs().max_element() <= PARALLELOGRAM * size;
         // The other half runs through the shared edge the other way round.
-        (0..3).any(|i| near(s[i], fourth) && s[(i + 1) % 3] == t[(corner + 2) % 3] && s[(i + 2) % 3] == t[(corner + 1) % 3])
+        (0..3).any(|i| {
+            near(s[i], fourth) && s[(i + 1) % 3] == t[(corner + 2) % 3] && s[(i + 2) % 3] == t[(corner + 1) % 3]
+        })
     })
 }
 
@@ -189,7 +200,8 @@ fn write(row: &mut RowMut<L>, scene: &Scene, geometry: &Geometry, kind: &Kind) {
 
 fn punctual_row(row: &mut RowMut<L>, light: &Light, origin: DVec3) {
     let (position, direction) = ((light.position() - origin).as_vec3(), light.direction().as_vec3());
-    row.set_all([L::P_X, L::P_Y, L::P_Z], position.to_array()).set_all([L::E1_X, L::E1_Y, L::E1_Z], direction.to_array());
+    row.set_all([L::P_X, L::P_Y, L::P_Z], position.to_array())
+        .set_all([L::E1_X, L::E1_Y, L::E1_Z], direction.to_array());
     row.set_all([L::R, L::G, L::B], light.intensity);
     match light.kind {
         LightKind::Point => row.set(L::KIND, LIGHT_POINT),

@@ -68,7 +68,10 @@ impl<'a> Textures<'a> {
         row.set(T::WRAP_U, wrap(texture.wrap_s)).set(T::WRAP_V, wrap(texture.wrap_t));
         if let Some((i, offset)) = image {
             let image = &self.scene.images[i];
-            row.set(T::KIND, TEXTURE_IMAGE).set(T::OFFSET, offset).set(T::WIDTH, image.width).set(T::HEIGHT, image.height);
+            row.set(T::KIND, TEXTURE_IMAGE)
+                .set(T::OFFSET, offset)
+                .set(T::WIDTH, image.width)
+                .set(T::HEIGHT, image.height);
         }
         if let TextureSource::Checkerboard { even, odd } = texture.source {
             row.set(T::KIND, TEXTURE_CHECKERBOARD);
