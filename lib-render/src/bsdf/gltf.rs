@@ -99,7 +99,9 @@ impl_staged!(Split { reflected, refracted, choice });
 
 /// The material's BSDF.
 pub fn make_gltf_bsdf(surf: SurfaceElement, values: GltfValues) -> Bsdf {
-    let only_smooth = values.smooth & values.diffuse_albedo().is_black();
+    // Perfectly specular, or nothing at all (a black emitter): light sampling is of no use.
+    let nothing = !values.has_facets() & !values.has_diffuse;
+    let only_smooth = nothing | (values.smooth & values.diffuse_albedo().is_black());
     Bsdf {
         eval: EvalFn::lam(|b, (wi, wo)| View::new(b, surf, values, wo).value(b, wi).f),
         pdf: PdfFn::lam(|b, (wi, wo)| View::new(b, surf, values, wo).value(b, wi).pdf),
