@@ -81,6 +81,8 @@ pub trait Observer {
     fn enter(&mut self, _cont: ContId) {}
     /// A scalar: a parameter of the continuation just entered, or a node just evaluated.
     fn value(&mut self, _node: NodeId, _lit: Lit) {}
+    /// A read of a table beyond its last row, which gives the last row. A program for a valid scene has none.
+    fn clamped(&mut self, _read: NodeId, _index: u32) {}
 }
 
 impl Observer for () {}

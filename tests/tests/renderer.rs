@@ -6,7 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
-use jerboa_ir::{Lit, Program, Role, print};
+use jerboa_ir::interp::Observer;
+use jerboa_ir::{Lit, NodeId, Program, Role, print};
 use jerboa_lib_render::host::film::Window;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, every_entry, generic, residual};
 use jerboa_lib_render::host::renderer::{Options, Renderer};
@@ -156,6 +157,36 @@ fn body(p: &Program) -> String {
     let text = print(p);
     let start = text.find("\nfun ").expect("a residual has a function");
     text[start..].into()
+}
+
+/// Notes reads beyond the last row of a table.
+struct Clamps<'p> {
+    program: &'p Program,
+    found: Vec<String>,
+}
+
+impl Observer for Clamps<'_> {
+    fn clamped(&mut self, read: NodeId, index: u32) {
+        self.found.push(format!("index {index} at {}", self.program.locs[read.index()]));
+    }
+}
+
+fn clamps(scene: &Scene) -> Vec<String> {
+    let tables = Tables::new(scene, &Choices::default(), Known::Structure);
+    let program =
+        residual(&tables, TracerKind::Path, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name)).program;
+    let mut clamps = Clamps { program: &program, found: Vec::new() };
+    let (camera, pass) = (scene.camera_or_default(), pass(32, 4, 1));
+    interpret(&program, "path", &tables, &camera, &pass, &mut clamps).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    clamps.found
+}
+
+/// Reads are clamped so that no index can do harm; a valid scene never needs it.
+#[test]
+fn no_built_in_scene_reads_beyond_a_table() {
+    for scene in builtin::list().iter().map(|b| load(&format!("builtin:{}", b.name))) {
+        assert_eq!(clamps(&scene), Vec::<String>::new(), "{}", scene.name);
+    }
 }
 
 /// Specialising a residual again changes nothing.

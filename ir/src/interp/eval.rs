@@ -79,7 +79,12 @@ impl<O: Observer> Machine<'_, O> {
             Node::Lane { vector: x, lane } => self.component(*x, *lane as usize)?,
             Node::Extract { tuple: x, index } => self.component(*x, *index as usize)?,
             Node::Read { column, index } => match self.get(*index)? {
-                Value::Lit(Lit::U32(index)) => Value::Lit(self.word_at(*column, index)),
+                Value::Lit(Lit::U32(index)) => {
+                    if index >= self.memory[column.buf.index()].rows {
+                        self.observer.clamped(node, index);
+                    }
+                    Value::Lit(self.word_at(*column, index))
+                }
                 other => unreachable!("{other:?} is no index"),
             },
             Node::Row { index: x, .. } | Node::RowIndex(x) => self.get(*x)?,

@@ -14,7 +14,7 @@ pub(super) const FIRST_SLOT: usize = 1;
 /// State of a run.
 pub(super) struct Machine<'a, O> {
     pub(super) code: &'a Interp<'a>,
-    memory: &'a mut [Memory],
+    pub(super) memory: &'a mut [Memory],
     limits: Limits,
     pub(super) observer: &'a mut O,
     pub(super) heap: Heap,
