@@ -31,14 +31,14 @@
 //!
 //! # A render in this process
 //! ```
-//! use jerboa_lib_render::host::film::{Film, Window};
-//! use jerboa_lib_render::host::renderer::{Options, Render, Renderer};
+//! use jerboa_lib_render::host::film::Film;
+//! use jerboa_lib_render::host::renderer::{Options, Renderer};
 //! use jerboa_scenes::Scene;
 //!
 //! let scene = Scene::load("builtin:cornell-box")?;
-//! let renderer = Renderer::new(&scene, Options::default())?;
-//! let mut film = Film::new(Window { x: 0, y: 0, width: 64, height: 64 });
-//! let stats = renderer.render(&scene.camera_or_default(), &mut film, Render { size: [64, 64], sample: 0, spp: 4, seed: 0 })?;
+//! let renderer = Renderer::new(&scene, Options { spp: 4, ..Options::default() })?;
+//! let mut film = Film::of_size([64, 64]);
+//! let stats = renderer.render(&scene.camera_or_default(), &mut film)?;
 //! assert_eq!(stats.spp, 4);
 //! let image = film.mean();
 //! assert!(image.pixels.iter().flatten().sum::<f32>() > 0.0, "the box is lit");

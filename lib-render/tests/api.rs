@@ -20,12 +20,12 @@ fn load(name: &str) -> (Renderer, Camera) {
 }
 
 fn job(sample: u32, spp: u32, seed: u32) -> Render {
-    Render { size: SIZE, sample, spp, seed }
+    Render { sample, spp, seed }
 }
 
 fn film(renderer: &Renderer, camera: &Camera, window: Window, job: Render) -> (Film, Stats) {
-    let mut film = Film::new(window);
-    let stats = renderer.render(camera, &mut film, job).unwrap_or_else(|e| panic!("{e}"));
+    let mut film = Film::crop(SIZE, window);
+    let stats = renderer.render_with(camera, &mut film, job, &Handle::default()).unwrap_or_else(|e| panic!("{e}"));
     (film, stats)
 }
 
@@ -63,9 +63,24 @@ fn ranges_of_samples_add_up_to_the_whole() {
     // Rendering twice into one film is the same as merging.
     let mut twice = Film::new(WHOLE);
     for sample in [20, 0] {
-        renderer.render(&camera, &mut twice, job(sample, 20, 5)).unwrap_or_else(|e| panic!("{e}"));
+        let job = job(sample, 20, 5);
+        renderer.render_with(&camera, &mut twice, job, &Handle::default()).unwrap_or_else(|e| panic!("{e}"));
     }
     assert!(twice == whole);
+}
+
+#[test]
+fn rendering_again_goes_on() {
+    let scene = Scene::load("builtin:cornell-box").unwrap_or_else(|e| panic!("{e}"));
+    let options = Options { spp: 3, seed: 9, ..Options::default() };
+    let renderer = Renderer::new(&scene, options).unwrap_or_else(|e| panic!("{e}"));
+    let camera = scene.camera_or_default();
+    let mut twice = Film::of_size(SIZE);
+    for _ in 0..2 {
+        renderer.render(&camera, &mut twice).unwrap_or_else(|e| panic!("{e}"));
+    }
+    assert_eq!(twice.next_sample(), 6);
+    assert!(twice == film(&renderer, &camera, WHOLE, job(0, 6, 9)).0);
 }
 
 #[test]
@@ -174,6 +189,7 @@ fn every_tracer_renders_an_empty_scene_black() {
 #[test]
 fn samples_beyond_their_numbers_are_an_error() {
     let (renderer, camera) = load("empty");
-    let error = renderer.render(&camera, &mut Film::new(WHOLE), job(u32::MAX, 2, 0)).expect_err("there are 2^32");
+    let (job, handle) = (job(u32::MAX, 2, 0), Handle::default());
+    let error = renderer.render_with(&camera, &mut Film::new(WHOLE), job, &handle).expect_err("there are 2^32");
     assert_eq!(error.to_string(), "2 samples from number 4294967295 on reach beyond 2^32: ask for fewer");
 }

@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use jerboa_lib_render::host::film::{Film, Window};
+use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::image_io::Image;
-use jerboa_lib_render::host::renderer::{Options, Render, Renderer};
+use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_scenes::{Scene, builtin};
 
 const SIZE: [u32; 2] = [24, 16];
@@ -35,11 +35,10 @@ fn files() -> Option<Vec<PathBuf>> {
 
 fn render(scene: &Scene, tracer: TracerKind) -> Image {
     let name = &scene.name;
-    let renderer =
-        Renderer::new(scene, Options { tracer, ..Options::default() }).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let mut film = Film::new(Window { x: 0, y: 0, width: SIZE[0], height: SIZE[1] });
-    let job = Render { size: SIZE, sample: 0, spp: 1, seed: 1 };
-    renderer.render(&scene.camera_or_default(), &mut film, job).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let renderer = Renderer::new(scene, Options { tracer, spp: 1, ..Options::default() })
+        .unwrap_or_else(|e| panic!("{name}: {e}"));
+    let mut film = Film::of_size(SIZE);
+    renderer.render(&scene.camera_or_default(), &mut film).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert_eq!(film.dropped(), 0, "{name}, {}", tracer.kernel());
     let image = film.mean();
     assert!(image.pixels.iter().flatten().all(|c| *c >= 0.0), "{name}, {}: a negative pixel", tracer.kernel());

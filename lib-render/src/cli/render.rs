@@ -10,7 +10,6 @@ use super::args::RenderArgs;
 use super::scene::{camera, choices, film_size, load, set_environment};
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
-use crate::host::generate::Keep;
 use crate::host::image_io::Image;
 use crate::host::renderer::{Handle, Options, Render, Renderer, Stats};
 
@@ -36,10 +35,10 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
     let window = window(args, size)?;
 
     let options =
-        Options { known: args.known.into(), tracer: args.tracer.into(), choices: choices(args), keep: Keep::default() };
+        Options { known: args.known.into(), tracer: args.tracer.into(), choices: choices(args), ..Options::default() };
     let renderer = Renderer::new(&scene, options)?;
-    let mut film = Film::new(window);
-    let job = Render { size, sample: 0, spp: args.spp, seed: args.seed };
+    let mut film = Film::crop(size, window);
+    let job = Render { sample: 0, spp: args.spp, seed: args.seed };
     let stats = with_progress(args, window, |handle| renderer.render_with(&camera, &mut film, job, handle))?;
     film.mean().write(&args.output, args.exposure)?;
     let report = Report { args, size, load_time, renderer: &renderer, stats, dropped: film.dropped() };

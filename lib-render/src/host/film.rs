@@ -75,15 +75,47 @@ struct Pixel {
 /// A tile's film is a film with a smaller window: threads fill one each and [`Film::merge`] them, in any order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film {
+    size: [u32; 2],
     window: Window,
+    next_sample: u32,
     pixels: Vec<Pixel>,
     dropped: u64,
 }
 
 impl Film {
-    /// An empty film over `window`. It takes 64 bytes a pixel.
+    /// An empty film of `size`, width and height. It takes 64 bytes a pixel.
+    pub fn of_size(size: [u32; 2]) -> Film {
+        Film::new(Window { x: 0, y: 0, width: size[0], height: size[1] })
+    }
+
+    /// An empty film over `window` of an image that ends with it.
     pub fn new(window: Window) -> Film {
-        Film { window, pixels: vec![Pixel::default(); window.area()], dropped: 0 }
+        Film::crop([window.x + window.width, window.y + window.height], window)
+    }
+
+    /// An empty film over `window` of an image of `size`.
+    ///
+    /// # Panics
+    /// If the window reaches beyond the image.
+    pub fn crop(size: [u32; 2], window: Window) -> Film {
+        let whole = Window { x: 0, y: 0, width: size[0], height: size[1] };
+        assert!(whole.contains(&window), "Film::crop: {window:?} reaches beyond {size:?}");
+        Film { size, window, next_sample: 0, pixels: vec![Pixel::default(); window.area()], dropped: 0 }
+    }
+
+    /// Number of the first sample that no render has asked for yet: where the next one goes on.
+    pub fn next_sample(&self) -> u32 {
+        self.next_sample
+    }
+
+    /// Samples below `next` have been asked for.
+    pub(crate) fn asked_below(&mut self, next: u32) {
+        self.next_sample = self.next_sample.max(next);
+    }
+
+    /// Width and height of the full image.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
     }
 
     /// The pixels this film holds.
@@ -132,6 +164,7 @@ impl Film {
             }
         }
         self.dropped += part.dropped;
+        self.next_sample = self.next_sample.max(part.next_sample);
         Ok(())
     }
 

@@ -15,7 +15,7 @@ use super::tables::{Choices, Known, Pass, Tables, frame};
 use crate::schema::{BUFFERS, Frame, Samples, binding};
 
 /// Options of a renderer.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// What the renderer is specialised for.
     pub known: Known,
@@ -23,12 +23,31 @@ pub struct Options {
     pub tracer: TracerKind,
     /// Choices that a kernel sees.
     pub choices: Choices,
+    /// Samples per pixel that [`Renderer::render`] adds.
+    pub spp: u32,
+    /// Seed: another one gives another, independent image.
+    pub seed: u32,
     /// What to keep for dumps.
     pub keep: Keep,
 }
 
+impl Default for Options {
+    /// Light transport, specialised for structure, 64 samples per pixel.
+    fn default() -> Options {
+        Options {
+            known: Known::default(),
+            tracer: TracerKind::default(),
+            choices: Choices::default(),
+            spp: 64,
+            seed: 0,
+            keep: Keep::default(),
+        }
+    }
+}
+
 /// A renderer that has written itself for one scene. It can be used from several threads at once.
 pub struct Renderer {
+    options: Options,
     tables: Tables,
     generated: Generated,
     /// Wall time of laying the scene out, without the tree.
@@ -38,8 +57,6 @@ pub struct Renderer {
 /// Which samples to render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Render {
-    /// Size of the whole film in pixels; the film given to [`Renderer::render`] may be a window of it.
-    pub size: [u32; 2],
     /// Number of the first sample.
     pub sample: u32,
     /// Samples per pixel.
@@ -103,7 +120,7 @@ impl Renderer {
         let tables = Tables::new(scene, &options.choices, options.known);
         let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
         let generated = generate(&tables, options.tracer, options.keep)?;
-        Ok(Renderer { tables, generated, tables_time })
+        Ok(Renderer { options, tables, generated, tables_time })
     }
 
     /// The scene's tables.
@@ -116,12 +133,18 @@ impl Renderer {
         &self.generated
     }
 
-    /// Add samples to a film: tiles in parallel on rayon's current pool. Errors: see [`Renderer::render_with`].
-    pub fn render(&self, camera: &Camera, film: &mut Film, job: Render) -> Result<Stats, Error> {
+    /// Add as many samples as the options say, those that follow on what the film has: tiles in parallel on rayon's
+    /// current pool.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_with`].
+    pub fn render(&self, camera: &Camera, film: &mut Film) -> Result<Stats, Error> {
+        let Options { spp, seed, .. } = self.options;
+        let job = Render { sample: film.next_sample(), spp, seed };
         self.render_with(camera, film, job, &Handle::default())
     }
 
-    /// Like [`Renderer::render`], with a handle on it. A cancelled render is no error: the film holds what was done.
+    /// Add these samples, with a handle on it. A cancelled render is no error: the film holds what was done.
     ///
     /// # Errors
     /// When the samples reach beyond 2^32, or the kernel gives up: a fault of Jerboa.
@@ -132,7 +155,7 @@ impl Renderer {
         }
         let start = Instant::now();
         let mut stats = Stats::default();
-        let tiles = tiles(film.window());
+        let (size, tiles) = (film.size(), tiles(film.window()));
         let mut first = 0;
         while first < job.spp && !handle.is_cancelled() {
             let samples = first.clamp(1, SAMPLES_PER_PASS).min(job.spp - first);
@@ -142,8 +165,7 @@ impl Renderer {
                     if handle.is_cancelled() {
                         return Ok(None);
                     }
-                    let pass =
-                        Pass { size: job.size, window: *window, sample: job.sample + first, samples, seed: job.seed };
+                    let pass = Pass { size, window: *window, sample: job.sample + first, samples, seed: job.seed };
                     let tile = self.tile(camera, &pass)?;
                     handle.done.fetch_add(window.area() as u64 * u64::from(samples), Ordering::Relaxed);
                     Ok(Some(tile))
@@ -160,6 +182,7 @@ impl Renderer {
                 stats.spp = first;
             }
         }
+        film.asked_below(job.sample + first);
         stats.time = start.elapsed();
         Ok(stats)
     }

@@ -15,9 +15,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use jerboa_lib_render::host::compare::compare;
-use jerboa_lib_render::host::film::{Film, Window};
+use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::image_io::Image;
-use jerboa_lib_render::host::renderer::{Options, Render, Renderer};
+use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::host::tables::Choices;
 use jerboa_scenes::{AlphaMode, Camera, Scene};
 
@@ -146,8 +146,10 @@ fn affordable(renderer: &Renderer, camera: &Camera, size: [u32; 2], seconds: f64
 }
 
 fn render(renderer: &Renderer, camera: &Camera, size: [u32; 2], spp: u32, seed: u32) -> Result<Image, String> {
-    let mut film = Film::new(Window { x: 0, y: 0, width: size[0], height: size[1] });
-    renderer.render(camera, &mut film, Render { size, sample: 0, spp, seed }).map_err(|e| e.to_string())?;
+    let mut film = Film::of_size(size);
+    renderer
+        .render_with(camera, &mut film, Render { sample: 0, spp, seed }, &Handle::default())
+        .map_err(|e| e.to_string())?;
     Ok(film.mean())
 }
 
