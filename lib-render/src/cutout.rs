@@ -41,7 +41,8 @@ pub fn is_there(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2], rng: Rng, ver
     )
 }
 
-/// Whether a hit of the ray that leads to the next vertex of this path counts.
+/// Whether a hit of the ray that leads to vertex `state.vertex` counts. Two edges of one path need two vertices: with one,
+/// a card crossed on the way to a surface would be open on the way on.
 pub fn make_accept(state: RayState) -> AcceptFn {
     AcceptFn::lam(move |b, (_, hit)| {
         let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);

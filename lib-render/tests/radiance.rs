@@ -4,11 +4,11 @@
 //! renderer fails a comparison with probability 6.3e-5 for another seed (some of the 55 here: 1 in 290). Each standard
 //! error is bounded too, so that a comparison can fail.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3, Vec3};
 use jerboa_lib_render::host::film::Window;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::tables::{Choices, Pass};
-use jerboa_scenes::{Camera, LightKind, Scene};
+use jerboa_scenes::{AlphaMode, Camera, Instance, LightKind, Material, Mesh, Scene};
 
 const SEED: u32 = 20_260;
 
@@ -131,6 +131,26 @@ fn a_floor_in_the_sun_has_its_radiance() {
     for [red, ..] in values {
         assert!((red / truth - 1.0).abs() < 1e-5, "{red}, truth {truth}");
     }
+}
+
+/// A black card that is there with probability 1/4, crossed by the camera's ray and again, the same triangle, by the shadow
+/// ray: each decides for itself, so 9/16 of the light comes through.
+#[test]
+fn a_blended_card_is_crossed_twice() {
+    let mut scene = load("sun");
+    let black = Material { alpha_mode: AlphaMode::Blend, ..Material::diffuse("card", [0.0; 3]) };
+    scene.materials.push(Material { base_color: [0.0, 0.0, 0.0, 0.25], ..black });
+    scene.meshes.push(Mesh {
+        positions: [[-100.0, 0.01, -100.0], [0.0, 0.01, 200.0], [100.0, 0.01, -100.0]].map(Vec3::from).to_vec(),
+        triangles: vec![[0, 1, 2]],
+        material: scene.materials.len() - 1,
+        ..Mesh::default()
+    });
+    scene.instances.push(Instance { mesh: scene.meshes.len() - 1, to_world: DAffine3::IDENTITY });
+    let values = samples(&renderer(&scene, None), &scene.camera_or_default(), 32, square(0, 31, 1), 65_536);
+    let uncovered = 60_f64.to_radians().sin() * 0.5 / std::f64::consts::PI;
+    let red: Vec<f64> = values.iter().map(|s| s[0]).collect();
+    agree("crossed twice", &red, 0.75 * 0.75 * uncovered, 0.01);
 }
 
 /// Straight below the centre of a square lamp of side 1 and radiance 1: the form factor of a parallel rectangle (Howell,

@@ -108,8 +108,10 @@ fn shade(
 
     // Trace the shadow ray, if there is one.
     let (light, rays) = b.label(|b, k: Exit<(Color, U32)>| {
+        // The way to the light is another edge of the path than the one that led here, so cut-outs decide anew.
+        let edge = RayState { vertex: state.vertex + 1u32, ..state };
         let emit = Exit::exits(|b, (shadow_ray, contribution): (Ray, Color)| {
-            let blocked = traverse.call(b, (shadow_ray, Keep(true.into()), make_accept(state))).is_hit();
+            let blocked = traverse.call(b, (shadow_ray, Keep(true.into()), make_accept(edge))).is_hit();
             k.take(b, (blocked.select(black(), contribution), 1.into()))
         });
         let skip = Exit::exits(|b, ()| k.take(b, (black(), 0.into())));
