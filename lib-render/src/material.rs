@@ -9,12 +9,11 @@ use crate::bsdf::gltf::GltfValues;
 use crate::bsdf::mix::make_mix_bsdf;
 use crate::bsdf::phong::make_phong_bsdf;
 use crate::core::color::{Color, black, color};
-use crate::core::microfacet::SMOOTH_ALPHA;
 use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
 use crate::geometry::SurfaceElement;
 use crate::light::area_pdf;
-use crate::schema::{Materials, SMOOTH_ALWAYS, SMOOTH_PER_HIT, Textures};
+use crate::schema::{Materials, SMOOTH_ALPHA, SMOOTH_ALWAYS, SMOOTH_PER_HIT, Textures};
 use crate::texture::look_up;
 
 /// What leaves a point of an emitter in a direction, and how likely the samplers find both.

@@ -21,7 +21,11 @@ pub const ALPHA_MASK: u32 = 1;
 /// [`Materials::ALPHA_MODE`]: a hit counts with probability alpha.
 pub const ALPHA_BLEND: u32 = 2;
 
-/// [`Materials::SMOOTH`]: the microfacet lobes have α ≥ 1e-3 everywhere.
+/// GGX α below which a lobe counts as perfectly smooth (accuracy.md, T6): the [`Materials::SMOOTH`] column and the decision
+/// per hit, hence `sample`, `pdf` and `eval`, agree on it.
+pub const SMOOTH_ALPHA: f32 = 1e-3;
+
+/// [`Materials::SMOOTH`]: the microfacet lobes have α ≥ [`SMOOTH_ALPHA`] everywhere.
 pub const SMOOTH_NEVER: u32 = 0;
 /// [`Materials::SMOOTH`]: α < 1e-3 everywhere: perfect reflection and refraction.
 pub const SMOOTH_ALWAYS: u32 = 1;

@@ -9,8 +9,8 @@ use jerboa_ir::lang::F32;
 use crate::bsdf::Bsdf;
 use crate::bsdf::gltf::{GltfValues, make_gltf_bsdf};
 use crate::core::color::{Color, black};
-use crate::core::microfacet::SMOOTH_ALPHA;
 use crate::geometry::SurfaceElement;
+use crate::schema::SMOOTH_ALPHA;
 
 /// A metal.
 pub fn make_ggx_bsdf(surf: SurfaceElement, f0: Color, alpha: F32) -> Bsdf {

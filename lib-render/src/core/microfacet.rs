@@ -8,9 +8,6 @@ use jerboa_ir::lang::F32;
 use crate::core::math::sincos_turns;
 use crate::core::vec::{Vec2, Vec3, vec3};
 
-/// α below which a surface counts as perfectly smooth: one place decides, and so do `sample`, `pdf` and `eval` (T6).
-pub const SMOOTH_ALPHA: f32 = 1e-3;
-
 /// Density of the normal h per unit of projected area, 0 for h below the surface.
 ///
 /// Source: Walter, Marschner, Li, Torrance 2007, equation 33, in stretched coordinates: accurate for every α, where the

@@ -7,9 +7,6 @@ use super::textures::{Encoding, Textures};
 use crate::schema::Materials as M;
 use crate::schema::*;
 
-/// GGX α below which a lobe counts as perfectly smooth (accuracy.md, T6).
-pub const SMOOTH_ALPHA: f32 = 1e-3;
-
 /// What stands for "F0 = 1" (glTF's ior 0): exact Fresnel at this index reflects all but 4e-6.
 const IOR_OF_MIRROR: f32 = 1e6;
 
