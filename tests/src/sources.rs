@@ -45,6 +45,12 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("this crate is a folder of the workspace").into()
 }
 
+/// The folder of shared scenes: in `JERBOA_SHARED`, or in `shared` beside the checkout. None where it is not at hand.
+pub fn shared_scenes() -> Option<PathBuf> {
+    let shared = std::env::var_os("JERBOA_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
+    Some(shared.join("scenes")).filter(|scenes| scenes.is_dir())
+}
+
 /// Every text file of the checkout, by path: neither build outputs, nor what git keeps, nor `shared`, which holds scenes and
 /// is no part of it.
 pub fn sources() -> Vec<Source> {

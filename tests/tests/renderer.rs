@@ -4,7 +4,7 @@
 //! runs T3 as the list has it, 32x32 at 4 spp on the matched scenes and five built-ins (an hour: the generic program is
 //! interpreted).
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use jerboa_ir::interp::Observer;
 use jerboa_ir::{Lit, NodeId, Program, Role, print};
@@ -15,6 +15,7 @@ use jerboa_lib_render::host::replay::interpret;
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables};
 use jerboa_peval::{Arg, Facts, Generic, specialize};
 use jerboa_scenes::{Scene, builtin};
+use jerboa_tests::sources::shared_scenes;
 
 const LEVELS: [Known; 3] = [Known::Nothing, Known::Structure, Known::All];
 
@@ -24,12 +25,6 @@ const BUILTINS: [&str; 5] = ["cornell-box", "material-balls", "alpha", "checkerb
 
 /// Matched scenes of T3.
 const MATCHED: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];
-
-fn shared() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let at = std::env::var_os("JERBOA_SHARED").map_or(beside, PathBuf::from).join("scenes");
-    at.is_dir().then_some(at)
-}
 
 fn load(name: &str) -> Scene {
     Scene::load(name).unwrap_or_else(|e| panic!("{name}: {e}"))
@@ -93,7 +88,7 @@ fn engines_agree_on_built_in_scenes() {
 
 #[test]
 fn engines_agree_on_matched_scenes() {
-    let Some(shared) = shared() else {
+    let Some(shared) = shared_scenes() else {
         println!("skipped: engines_agree_on_matched_scenes (no shared scenes)");
         return;
     };

@@ -1,13 +1,14 @@
 //! Every shared scene renders: no panic, no sample that is not a number, no black image of a lit scene. And scenes that lack
 //! what a scene usually has (T31).
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_scenes::{Scene, builtin};
+use jerboa_tests::sources::shared_scenes;
 
 const SIZE: [u32; 2] = [24, 16];
 
@@ -16,9 +17,7 @@ const LARGE: usize = 100_000;
 
 /// All .gltf and .glb files below the shared scenes, sorted; `None` where they are not at hand.
 fn files() -> Option<Vec<PathBuf>> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let folder = std::env::var_os("JERBOA_SHARED").map_or(beside, PathBuf::from).join("scenes");
-    let (mut files, mut folders) = (Vec::new(), vec![folder.is_dir().then_some(folder)?]);
+    let (mut files, mut folders) = (Vec::new(), vec![shared_scenes()?]);
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("a folder of scenes") {
             let path = entry.expect("an entry").path();

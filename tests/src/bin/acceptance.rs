@@ -10,7 +10,6 @@
 //! (one emitter dropped), `mask` (alpha ignored). Prints a row of a table for each comparison; the exit code says whether
 //! all came out as they should.
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -20,6 +19,7 @@ use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::host::tables::Choices;
 use jerboa_scenes::{AlphaMode, Camera, Scene};
+use jerboa_tests::sources::shared_scenes;
 
 /// The scenes of part 1 of the plan.
 const SCENES: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];
@@ -86,15 +86,10 @@ fn parse() -> Result<Args, String> {
     Ok(args)
 }
 
-/// The folder of shared scenes: `JERBOA_SHARED`, or `shared` beside the checkout.
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    std::env::var_os("JERBOA_SHARED").map_or(beside, PathBuf::from).join("scenes")
-}
-
 /// Run T13 on a scene; did each comparison come out as it should?
 fn t13(name: &str, args: &Args) -> Result<bool, String> {
-    let folder = shared().join(name);
+    let shared = shared_scenes().ok_or("there are no shared scenes: set JERBOA_SHARED")?;
+    let folder = shared.join(name);
     let file = |suffix: &str| folder.join(format!("{name}.{suffix}"));
     let image = |suffix: &str| Image::read(&file(suffix)).map_err(|e| e.to_string());
     let reference = (image("ref.exr")?, image("ref-var.exr")?);
