@@ -2,7 +2,9 @@
 //!
 //! The law they serve is Law 3: the interpreter, the residual in the interpreter and the machine code give the same
 //! bits. `tests/conformance.rs` checks each operation on every engine over all special values (accuracy list, T2);
-//! `tests/random.rs` checks random programs (T1, T23), and `tests/divergence.rs` that specialisation ends (T23). The checkout's own text is in [`sources`], for the tests of its habits.
+//! `tests/random.rs` checks random programs (T1, T23), and `tests/divergence.rs` that specialisation ends (T23). The
+//! renderer's parts are asked and judged by [`harness`]. The checkout's own text is in [`sources`], for the tests of its
+//! habits.
 //!
 //! ```
 //! use jerboa_ir::interp::{Limits, run};
@@ -17,13 +19,14 @@
 pub mod choices;
 pub mod forms;
 pub mod golden;
+pub mod harness;
 pub mod knowledge;
 pub mod machine;
 pub mod programs;
 pub mod refold;
+pub mod sources;
 pub mod trial;
 pub mod values;
-pub mod sources;
 
 /// The examples of the page at the root.
 #[cfg(doctest)]

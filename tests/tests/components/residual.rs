@@ -7,7 +7,7 @@ use jerboa_lib_render::core::vec::Vec3;
 use jerboa_lib_render::schema::*;
 use jerboa_peval::{self as peval, Arg, ColumnFacts, Facts, Generic, TableFacts};
 
-use crate::probe::material;
+use jerboa_tests::harness::probe::material;
 
 /// The residual of sampling and evaluating a material whose structure columns are 0 but for these.
 fn residual(structure: &[(u32, Lit)]) -> Program {

@@ -1,13 +1,11 @@
 //! Tests of the staged components: each is specialised with nothing known, compiled, and run on tables made here.
 //! A few runs of each also go through the interpreter and must give the same bits.
 
-mod bench;
 mod bsdf;
 mod geometry;
 mod lights;
 mod materials;
 mod spawn;
-mod probe;
 mod residual;
 mod textures;
 mod traverse;

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use jerboa_lib_render::schema::Materials;
 
-use crate::bench::{Random, number};
-use crate::probe::{Probe, V, at_cos, dot, normalize, random_direction};
+use jerboa_tests::harness::bench::{Random, number};
+use jerboa_tests::harness::probe::{Probe, V, at_cos, dot, normalize, random_direction};
 
 /// A material by name.
 type Named = (&'static str, fn(&mut Probe) -> &mut Probe);
@@ -32,7 +32,7 @@ const ZOO: [Named; 15] = [
 
 #[test]
 fn lambert_is_exact_and_two_sided() {
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     probe.lambert();
     let f = [0.8f32, 0.5, 0.2].map(|a| a * std::f32::consts::FRAC_1_PI);
     let (up, down) = (at_cos(0.6), at_cos(-0.3));
@@ -49,7 +49,7 @@ fn lambert_is_exact_and_two_sided() {
 
 #[test]
 fn mirrors_and_glass_follow_the_semantics() {
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for consistent in [false, true] {
         let mirror = probe.metal(0.0);
         let s = mirror.consistent(consistent).sample(at_cos(0.3), 1);
@@ -104,7 +104,7 @@ fn fresnel(cos: f64, eta: f64) -> f64 {
 #[test]
 fn sample_pdf_and_eval_are_one_model() {
     let mut random = Random::new(0x51);
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for (name, make) in ZOO {
         make(&mut probe);
         for consistent in [false, true] {
@@ -155,7 +155,7 @@ fn near(random: &mut Random, n: V) -> V {
 #[test]
 fn consistent_normals_do_not_leak() {
     let mut random = Random::new(0x25);
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for (name, make) in ZOO {
         make(&mut probe);
         let passes = ["glass", "thin", "medley"].iter().any(|p| name.starts_with(p));
@@ -181,7 +181,7 @@ fn consistent_normals_do_not_leak() {
 #[test]
 fn scattering_is_reciprocal() {
     let mut random = Random::new(0x8);
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for (name, make) in ZOO {
         make(&mut probe);
         for _ in 0..1000 {
@@ -219,7 +219,7 @@ fn ggx_albedo(alpha: f64, mu: f64) -> f64 {
 fn metal_reflects_as_much_as_quadrature_says() {
     // α = 1 at normal incidence is 1 − ln 2 for height-correlated and for separable masking: G1(wo) = 1 there.
     assert!((ggx_albedo(1.0, 1.0) - (1.0 - 2f64.ln())).abs() < 1e-4);
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for roughness in [0.3f32, 0.7, 1.0] {
         let metal = probe.metal(roughness);
         for mu in [1.0, 0.7, 0.3, 0.05] {
@@ -236,7 +236,7 @@ fn metal_reflects_as_much_as_quadrature_says() {
 /// T7: nothing gains energy, and a smooth white interface loses none.
 #[test]
 fn no_material_gains_energy() {
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for (name, make) in ZOO {
         make(&mut probe);
         for mu in [1.0, 0.5, 0.1, 0.01, -0.2, -0.9] {
@@ -263,7 +263,7 @@ fn samples_follow_the_density() {
         ("medley .6", |p| p.medley(0.6)),
         ("phong 10", |p| p.phong(10.0)),
     ];
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for (name, make) in cases {
         make(&mut probe);
         for mu in [0.9, 0.2, -0.7] {
@@ -314,7 +314,7 @@ fn samples_follow_the_density() {
 /// N6: the lobe is exact for large exponents.
 #[test]
 fn phong_is_exact_for_large_exponents() {
-    let mut probe = Probe::new();
+    let mut probe = Probe::default();
     for ns in [10.0f32, 100.0, 1e4, 1e6] {
         probe.phong(ns).number(Materials::BASE_R, 0.0).number(Materials::BASE_G, 0.0).number(Materials::BASE_B, 0.0);
         let wo = at_cos(0.6);

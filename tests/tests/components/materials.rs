@@ -7,8 +7,8 @@ use jerboa_lib_render::material::{EmissionValue, base_color, gltf_values, make_e
 use jerboa_lib_render::normal_map::apply_normal_map;
 use jerboa_lib_render::schema::*;
 
-use crate::bench::Bench;
-use crate::probe::surface;
+use jerboa_tests::harness::bench::Bench;
+use jerboa_tests::harness::probe::surface;
 
 /// A surface in the plane z = 0 with a texture of one texel for everything.
 fn bench(rgba: [u8; 4]) -> Bench {

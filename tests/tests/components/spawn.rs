@@ -12,10 +12,10 @@ use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::*;
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 
-use crate::bench::{Bench, Random};
 use crate::geometry::no_shader;
 use crate::lights::set_area;
 use crate::traverse::{load, ray};
+use jerboa_tests::harness::bench::{Bench, Random};
 
 /// Kernels: the primitive that a ray in a direction from a hit meets, without and with the knowledge of where it starts;
 /// and the one between a hit and the light.

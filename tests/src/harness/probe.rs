@@ -11,14 +11,17 @@ use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::*;
 use jerboa_lib_render::shader::make_shader;
 
-use crate::bench::{Bench, Random};
+use super::bench::{Bench, Random};
 
+/// A vector of the host.
 pub type V = [f32; 3];
 
+/// Scalar product, in f64.
 pub fn dot(a: V, b: V) -> f64 {
     (0..3).map(|i| f64::from(a[i]) * f64::from(b[i])).sum()
 }
 
+/// Of unit length, rounded once.
 pub fn normalize(a: [f64; 3]) -> V {
     let l = a.iter().map(|x| x * x).sum::<f64>().sqrt();
     a.map(|x| (x / l) as f32)
@@ -40,15 +43,23 @@ pub fn random_direction(random: &mut Random) -> V {
 /// What `sample` gave, and what `eval` and `pdf` say about its direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled {
+    /// Direction, away from the surface, unit.
     pub wi: V,
+    /// f · cos / pdf, with the scale of radiance.
     pub weight: V,
+    /// Density that the sample states, per steradian.
     pub pdf: f32,
+    /// Was a delta component drawn?
     pub is_specular: bool,
+    /// (1/eta)² where it was refracted.
     pub scale: f32,
+    /// What `eval` says, per steradian.
     pub f_there: V,
+    /// What `pdf` says, per steradian.
     pub pdf_there: f32,
 }
 
+/// A surface at the origin whose material can be set and asked.
 pub struct Probe {
     bench: Bench,
     /// Geometric normal.
@@ -80,9 +91,9 @@ pub fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3)
     make_shader(Row::<Materials>::at(0u32)).call(b, (ray, Hit::miss(end), surf))
 }
 
-impl Probe {
+impl Default for Probe {
     /// A surface in the plane z = 0.
-    pub fn new() -> Probe {
+    fn default() -> Probe {
         let bench = Bench::new(|| {
             entry(
                 "eval",
@@ -104,7 +115,9 @@ impl Probe {
         });
         Probe { bench, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
     }
+}
 
+impl Probe {
     /// White, index 1.5, no lobe on; the normals as they were made.
     fn reset(&mut self) -> &mut Probe {
         self.bench.rows::<Materials>(1);
@@ -190,6 +203,7 @@ impl Probe {
         ([out[0], out[1], out[2]], out[3], out[4] == 1.0)
     }
 
+    /// A sample with the numbers of a key.
     pub fn sample(&mut self, wo: V, key: u32) -> Sampled {
         let mut args: Vec<u32> = [self.face, self.normal, wo].concat().iter().map(|x| x.to_bits()).collect();
         args.push(key);

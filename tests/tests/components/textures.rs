@@ -8,7 +8,7 @@ use jerboa_lib_render::image::Texel;
 use jerboa_lib_render::schema::*;
 use jerboa_lib_render::texture::look_up;
 
-use crate::bench::Bench;
+use jerboa_tests::harness::bench::Bench;
 
 /// Look up texture 0 in an image whose texel i has red = i and alpha = 255 − i, linear.
 fn bench(width: u32, height: u32, filter: u32, wrap: u32) -> Bench {

@@ -7,7 +7,7 @@ use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{NONE, Nodes, Settings, Triangles};
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 
-use crate::bench::{Bench, Random, number};
+use jerboa_tests::harness::bench::{Bench, Random, number};
 
 /// Kernels `nearest` and `any`; where the scene has cut-outs, only odd primitives count.
 fn bench() -> Bench {

@@ -14,7 +14,7 @@ use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Tangents, Uvs, Vertices};
 use jerboa_lib_render::shader::Shader;
 
-use crate::bench::{Bench, Random};
+use jerboa_tests::harness::bench::{Bench, Random};
 
 /// A shader that nobody asks.
 pub fn no_shader() -> Shader {

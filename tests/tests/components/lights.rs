@@ -11,7 +11,7 @@ use jerboa_lib_render::light::{sample_light, spot::make_spot_light};
 use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::*;
 
-use crate::bench::{Bench, Random};
+use jerboa_tests::harness::bench::{Bench, Random};
 
 /// Kernels: a sample of the lights from a point; rays that leave light 0; the environment.
 fn bench(lights: usize) -> Bench {

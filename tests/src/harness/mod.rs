@@ -1,0 +1,10 @@
+//! The verification harness: how a staged component is asked questions from outside, and how its answers are judged.
+//!
+//! - [`bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
+//!   interpreted.
+//! - [`probe`]: a material on one surface, asked for f, pdf and samples.
+//! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
+
+pub mod bench;
+pub mod probe;
+pub mod stats;
