@@ -1,6 +1,7 @@
 //! One random program put through every engine and every stage.
 
 use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift as cranelift;
 use jerboa_ir::interp::{Interp, Limits, Memory, Observer, Stop};
@@ -13,8 +14,8 @@ use crate::machine::call;
 use crate::programs::Case;
 use crate::refold::refold;
 
-/// Inputs of each program.
-const INPUTS: u64 = 32;
+/// Inputs of each program in the test command.
+pub const INPUTS: u64 = 32;
 
 /// A run that needs more has no result to compare.
 const LIMITS: Limits = Limits { fuel: 100_000, cells: 1 << 20 };
@@ -32,6 +33,8 @@ pub struct Tally {
     pub left: BTreeSet<Op>,
     /// … that were compiled to machine code.
     pub compiled: BTreeSet<Op>,
+    /// The longest that the evaluator took for a program.
+    pub slowest: Duration,
 }
 
 impl Tally {
@@ -42,6 +45,7 @@ impl Tally {
         self.interpreted.extend(other.interpreted);
         self.left.extend(other.left);
         self.compiled.extend(other.compiled);
+        self.slowest = self.slowest.max(other.slowest);
     }
 }
 
@@ -58,22 +62,22 @@ struct Trial<'c> {
     runs: Vec<(Vec<Lit>, Outcome)>,
 }
 
-/// Put a program through every engine and every stage, on inputs from this seed.
+/// Put a program through every engine and every stage, on so many inputs from this seed.
 ///
 /// # Errors
 /// Where the first difference is, in words.
-pub fn check(case: &Case, seed: u64, tally: &mut Tally) -> Result<(), String> {
+pub fn check(case: &Case, seed: u64, inputs: u64, tally: &mut Tally) -> Result<(), String> {
     clean("the program", &verify(&case.program), &case.program)?;
     round_trip(&case.program)?;
-    let trial = Trial::new(case, seed, tally)?;
+    let trial = Trial::new(case, seed, inputs, tally)?;
     trial.check_construction()?;
     let generic = Generic::new(case.program.clone());
-    let residual = match trial.specialize(&generic, Options::default())? {
-        Some(residual) => residual,
-        None => {
-            tally.unfinished += INPUTS;
-            return Ok(());
-        }
+    let start = Instant::now();
+    let residual = trial.specialize(&generic, Options::default())?;
+    tally.slowest = tally.slowest.max(start.elapsed());
+    let Some(residual) = residual else {
+        tally.unfinished += inputs;
+        return Ok(());
     };
     trial.check_residual("the residual", &residual, tally)?;
     for (stage, options) in [
@@ -90,13 +94,13 @@ pub fn check(case: &Case, seed: u64, tally: &mut Tally) -> Result<(), String> {
 }
 
 impl<'c> Trial<'c> {
-    fn new(case: &'c Case, seed: u64, tally: &mut Tally) -> Result<Trial<'c>, String> {
+    fn new(case: &'c Case, seed: u64, inputs: u64, tally: &mut Tally) -> Result<Trial<'c>, String> {
         let mut c = Choices::random(seed);
         let mut memory = case.memory.clone();
         let facts = classify(&case.program, &mut memory, c.pick(&[Level::Nothing, Level::Structure, Level::All]));
         let split = Split::new(case, &mut c);
         let mut runs = Vec::new();
-        for _ in 0..INPUTS {
+        for _ in 0..inputs {
             let args = split.input(case.arguments(&mut c));
             let outcome = interpret(&case.program, case.main, &args, &memory, &mut tally.interpreted);
             tally.runs += 1;

@@ -3,6 +3,7 @@
 //! A program that an engine gets wrong is shrunk, then printed with its recipe. A long run:
 //! `JERBOA_PROGRAMS=1000000 JERBOA_SEED=7 cargo test --release -p jerboa-tests --test random -- --nocapture`.
 //! `JERBOA_PROGRAMS` is the number of programs, `JERBOA_SEED` the seed of the first; program i has the seed's successor i.
+//! `JERBOA_INPUTS` is the number of inputs of each (T23 asks for 10,000).
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -11,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use jerboa_ir::{Op, print};
 use jerboa_tests::choices::{Choices, shrink};
 use jerboa_tests::programs::case;
-use jerboa_tests::trial::{Tally, check};
+use jerboa_tests::trial::{INPUTS, Tally, check};
 
 /// Programs of a run in the test command.
 const PROGRAMS: u64 = 2000;
@@ -26,8 +27,10 @@ thread_local! {
 
 /// Put the program of this recipe through everything; a panic is a fault too.
 fn check_recipe(recipe: &[u32], seed: u64, tally: &mut Tally) -> Result<(), String> {
-    catch_unwind(AssertUnwindSafe(|| check(&case(&mut Choices::replay(recipe)), seed, tally)))
-        .unwrap_or_else(|_| Err(PANIC.take()))
+    catch_unwind(AssertUnwindSafe(|| {
+        check(&case(&mut Choices::replay(recipe)), seed, setting("JERBOA_INPUTS", INPUTS), tally)
+    }))
+    .unwrap_or_else(|_| Err(PANIC.take()))
 }
 
 /// One program; if it fails, the smallest one like it.
@@ -78,6 +81,7 @@ fn random_programs_mean_the_same_on_every_engine() {
     std::panic::set_hook(hook);
     let tally = result.unwrap_or_else(|report| panic!("{report}"));
     println!("{} runs, {} without a result", tally.runs, tally.unfinished);
+    println!("the evaluator took {:?} at most for a program", tally.slowest);
     assert!(tally.unfinished * 20 <= tally.runs, "more than 5 % of the runs have no result");
     let all: BTreeSet<Op> = Op::ALL.iter().copied().collect();
     assert_eq!(tally.interpreted, all, "operations that the interpreter has executed");
