@@ -71,6 +71,8 @@ table! {
         DEPTH_LIMITED: Bool, structure;
         /// Shading normals: consistent (a closed mesh never leaks) or free.
         CONSISTENT_NORMALS: Bool, structure;
+        /// Are rays moved off surfaces by more than rounding asks for?
+        HAS_RAY_OFFSET: Bool, structure;
         /// Is there an environment?
         HAS_ENVIRONMENT: Bool, structure;
         /// Is there any light that can be sampled?
@@ -85,6 +87,8 @@ table! {
         RR_CAP: F32, value;
         /// Largest number of path edges.
         MAX_DEPTH: U32, value;
+        /// How far rays are moved off surfaces beside the bound on rounding, over 1 m + the largest coordinate.
+        RAY_OFFSET: F32, value;
         /// Number of lights.
         LIGHT_COUNT: U32, value;
     }

@@ -179,6 +179,9 @@ pub struct RenderArgs {
     /// How shading normals may differ from the surface
     #[arg(long, value_name = "MODE", value_enum, default_value_t)]
     pub shading_normals: ShadingNormalsArg,
+    /// Move rays off surfaces by X (1 + largest coordinate) more, as renderers with an epsilon do, to compare with them
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = finite_not_negative, allow_negative_numbers = true)]
+    pub ray_offset: f32,
     /// Light the scene by this .hdr or .exr environment map
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,

@@ -92,5 +92,6 @@ pub fn choices(args: &RenderArgs) -> Choices {
         rr_depth: Some(args.rr_depth),
         rr_cap: args.rr_cap,
         consistent_normals: args.shading_normals == ShadingNormalsArg::Consistent,
+        ray_offset: args.ray_offset,
     }
 }

@@ -11,7 +11,7 @@ use jerboa_lib_render::geometry::offset::{offset_origin, spawn_shadow_ray};
 use jerboa_lib_render::light::DirectLightSample;
 use jerboa_lib_render::material::{EmissionValue, Material};
 use jerboa_lib_render::ray::{Hit, Ray};
-use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Tangents, Uvs, Vertices};
+use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Settings, Tangents, Uvs, Vertices};
 use jerboa_lib_render::shader::Shader;
 
 use jerboa_tests::harness::bench::{Bench, Random};
@@ -267,4 +267,17 @@ fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
         assert!((-(j as f32)..=1.0 - j as f32).contains(&y), "{y} in row {j}");
         assert!((ray[3..6].iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-6);
     }
+}
+
+#[test]
+fn a_ray_offset_moves_both_ends_by_the_largest_coordinate() {
+    let mut bench = bench();
+    place(&mut bench, FLAT.map(|p| [p[0] + 4.0, p[1], p[2] + 0.5]));
+    bench.set(Settings::HAS_RAY_OFFSET, 0, true);
+    bench.set(Settings::RAY_OFFSET, 0, 1e-3_f32);
+    let shadow = bench.run("shadow", &[0.25, 0.25, 4.5, 0.5, 2.0].map(f32::to_bits));
+    let [x, y, z, .., end] = floats::<7>(&shadow);
+    // The point is (4.5, .5, .5): 5.5 thousandths upwards, and a hundredth of the way is left out.
+    assert_eq!((x, y), (4.5, 0.5));
+    assert!((z - 0.5055).abs() < 1e-6 && (end - 0.99).abs() < 1e-6, "{z} {end}");
 }

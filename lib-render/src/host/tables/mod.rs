@@ -37,11 +37,15 @@ pub struct Choices {
     pub rr_cap: f32,
     /// Shading normals that never let a closed mesh leak, or those of the references.
     pub consistent_normals: bool,
+    /// How far rays are moved off surfaces beside the bound on rounding: this times (1 m + the largest coordinate), as
+    /// renderers with a fixed epsilon do; shadow rays end ten times that share before the light. 0 for exact, which only a
+    /// comparison with such a renderer wants otherwise.
+    pub ray_offset: f32,
 }
 
 impl Default for Choices {
     fn default() -> Self {
-        Choices { max_depth: None, rr_depth: Some(3), rr_cap: 1.0, consistent_normals: true }
+        Choices { max_depth: None, rr_depth: Some(3), rr_cap: 1.0, consistent_normals: true, ray_offset: 0.0 }
     }
 }
 
@@ -128,6 +132,8 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::DEPTH_LIMITED, choices.max_depth.is_some())
         .set(S::MAX_DEPTH, choices.max_depth.unwrap_or(u32::MAX))
         .set(S::CONSISTENT_NORMALS, choices.consistent_normals)
+        .set(S::HAS_RAY_OFFSET, choices.ray_offset > 0.0)
+        .set(S::RAY_OFFSET, choices.ray_offset)
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
         .set(S::LIGHT_COUNT, lights)
