@@ -3,8 +3,12 @@
 //! - [`bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
 //!   interpreted.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
+//! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
+//! - [`quadrature`]: integrals in f64.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
 
 pub mod bench;
 pub mod probe;
+pub mod chi2;
+pub mod quadrature;
 pub mod stats;
