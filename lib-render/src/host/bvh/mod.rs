@@ -38,7 +38,7 @@ mod tree;
 
 pub use bounds::Bounds;
 pub use layout::{BvhNode, ChildRef};
-pub use prefilter::Dropped;
+pub use prefilter::{Dropped, can_be_hit};
 
 /// A triangle's three corners in world space.
 pub type Triangle = [[f32; 3]; 3];

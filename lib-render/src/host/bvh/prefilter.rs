@@ -36,6 +36,11 @@ pub(super) fn usable(triangles: &[Triangle]) -> Usable {
     usable
 }
 
+/// Whether a ray can hit a triangle: it is finite, and its corners do not lie on one line.
+pub fn can_be_hit(triangle: &Triangle) -> bool {
+    triangle.as_flattened().iter().all(|x| x.is_finite()) && !has_zero_area(triangle)
+}
+
 /// Whether the edges' cross product vanishes: in f64 it neither overflows nor underflows for f32 corners.
 fn has_zero_area([a, b, c]: &Triangle) -> bool {
     let edge = |to: &[f32; 3]| [0, 1, 2].map(|k| f64::from(to[k]) - f64::from(a[k]));

@@ -5,7 +5,7 @@ use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 
 use super::geometry::Geometry;
 use super::memory::{Memory, RowMut, Table};
-use crate::host::bvh::Triangle;
+use crate::host::bvh::{Triangle, can_be_hit};
 use crate::host::distribution::{Distribution1D, Distribution2D};
 use crate::host::image_io::{Image, luminance};
 use crate::schema::Lights as L;
@@ -112,7 +112,8 @@ fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Ca
             let p = next;
             next += 1;
             let area = f64::from(area_of(&geometry.triangles[p]));
-            if !emissive(p) || area <= 0.0 {
+            // Edges rounded to single precision may have an area where the triangle has none, and none where it has one.
+            if !emissive(p) || area <= 0.0 || !can_be_hit(&geometry.triangles[p]) {
                 continue;
             }
             let m = &scene.materials[geometry.materials[p] as usize];
