@@ -1,7 +1,7 @@
 //! Lights (paper, section 4.3), one file per kind.
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
+use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, Staged, U32};
 
 use crate::core::cdf::invert;
 use crate::core::color::{Color, color};
@@ -75,20 +75,29 @@ impl_staged!(Light { sample_direct, sample_emission, emission, has_area });
 /// Choose a light by its share of the scene's power, and sample it from a point. Draws at most 3 numbers.
 pub fn sample_light(b: &mut Block, rng: Rng, point: Vec3) -> DirectLightSample {
     let (u, rng) = rng.next();
+    let index = choose_light(b, u);
+    with_light(b, index, |b, light| light.sample_direct.call(b, (rng, point)))
+}
+
+/// The light that a uniform number draws: each with probability [`Lights::PROBABILITY`], to the bit.
+pub fn choose_light(b: &mut Block, u: F32) -> U32 {
     let count = Row::<Settings>::at(0u32).get(Settings::LIGHT_COUNT);
-    let index = invert(b, count, |i| Row::at(i).get(LightChoice::CDF), u);
+    invert(b, count, |i| Row::at(i).get(LightChoice::CDF), u)
+}
+
+/// Do it with the light of a row of `Lights`, whatever its kind.
+pub fn with_light<T: Staged>(b: &mut Block, index: U32, body: impl Fn(&mut Block, Light) -> T) -> T {
     b.dispatch(Row::<Lights>::at(index), |b, row| {
-        let sample = |light: Light, b: &mut Block| light.sample_direct.call(b, (rng, point));
         b.switch(
             row.get(Lights::KIND),
             &[
-                (LIGHT_POINT, &|b| sample(point::make_point_light(row), b)),
-                (LIGHT_SPOT, &|b| sample(spot::make_spot_light(row), b)),
-                (LIGHT_DIRECTIONAL, &|b| sample(directional::make_directional_light(row), b)),
-                (LIGHT_TRIANGLE, &|b| sample(area::make_triangle_light(row), b)),
-                (LIGHT_QUAD, &|b| sample(area::make_quad_light(row), b)),
+                (LIGHT_POINT, &|b| body(b, point::make_point_light(row))),
+                (LIGHT_SPOT, &|b| body(b, spot::make_spot_light(row))),
+                (LIGHT_DIRECTIONAL, &|b| body(b, directional::make_directional_light(row))),
+                (LIGHT_TRIANGLE, &|b| body(b, area::make_triangle_light(row))),
+                (LIGHT_QUAD, &|b| body(b, area::make_quad_light(row))),
             ],
-            |b| sample(environment::make_environment_light(row), b),
+            |b| body(b, environment::make_environment_light(row)),
         )
     })
 }
@@ -99,6 +108,12 @@ pub fn area_pdf(light: U32) -> F32 {
     let is_light = light.ne(NONE);
     let row = Row::<Lights>::at(is_light.select(light, 0u32.into()));
     is_light.select(row.get(Lights::PROBABILITY) / row.get(Lights::AREA), 0.0.into())
+}
+
+/// Density per steradian with which light sampling finds what a ray hits: from density per square metre there, `distance`
+/// along the ray, whose direction makes this cosine with the face normal.
+pub fn hit_pdf(pdf_area: F32, distance: F32, cos: F32) -> F32 {
+    pdf_area * distance * distance / cos.abs()
 }
 
 /// Position, or first corner.

@@ -14,7 +14,7 @@ use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
 use crate::light::environment::{environment_pdf, environment_radiance};
-use crate::light::{DirectLightSample, sample_light};
+use crate::light::{DirectLightSample, hit_pdf, sample_light};
 use crate::material::Material;
 use crate::mis::power_heuristic;
 use crate::ray::{Hit, Ray};
@@ -98,8 +98,7 @@ fn emitted(b: &mut Block, ray: Ray, hit: Hit, state: RayState, surf: SurfaceElem
     let lit = |b: &mut Block| {
         let emission = |b: &mut Block| {
             let value = mat.emission.call(b, -ray.dir);
-            // From density per square metre at the emitter to density per steradian at the vertex before.
-            let by_light = value.pdf_area * hit.t * hit.t / surf.face_cos(ray.dir).abs();
+            let by_light = hit_pdf(value.pdf_area, hit.t, surf.face_cos(ray.dir));
             let weight = state.is_specular.select(F32::from(1.0), power_heuristic(state.pdf_dir, by_light));
             arriving(b, state, hit).absorb(value.intensity) * weight
         };
