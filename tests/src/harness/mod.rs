@@ -1,5 +1,6 @@
 //! The verification harness: how a staged component is asked questions from outside, and how its answers are judged.
 //!
+//! - [`analytic`]: scenes whose radiance has a closed form, rendered and compared.
 //! - [`bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
 //!   interpreted.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
@@ -7,6 +8,7 @@
 //! - [`quadrature`]: integrals in f64.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
 
+pub mod analytic;
 pub mod bench;
 pub mod probe;
 pub mod chi2;
