@@ -107,7 +107,8 @@ fn another_seed_gives_another_image_of_the_same_mean() {
     let differ = images[0].pixels.iter().zip(&images[1].pixels).filter(|(a, b)| a != b && a[0] > 0.0).count();
     assert!(differ > WHOLE.area() / 2, "{differ} pixels differ");
     let [a, b] = images.map(|i| i.pixels.iter().flatten().sum::<f32>());
-    assert!((a / b - 1.0).abs() < 0.05, "{a} and {b}");
+    // Such a mean has a standard deviation of 3 % (of 19 seeds): four of the difference's.
+    assert!((a / b - 1.0).abs() < 0.17, "{a} and {b}");
 }
 
 #[test]

@@ -43,6 +43,12 @@ impl Random {
     }
 }
 
+/// The words of an `Rng`: a random stream of its own for each `key`, at dimension 0.
+pub fn stream(key: u32) -> [u32; 3] {
+    let bits = Random(key.into()).bits();
+    [bits as u32, (bits >> 32) as u32, 0]
+}
+
 /// How much to test: the variable of this name, or the size that is quick.
 pub fn number(name: &str, quick: usize) -> usize {
     std::env::var(name).map_or(quick, |v| v.parse().unwrap_or_else(|_| panic!("{name} is a number, not `{v}`")))

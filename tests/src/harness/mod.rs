@@ -3,9 +3,11 @@
 //! - [`analytic`]: scenes whose radiance has a closed form, rendered and compared.
 //! - [`bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
 //!   interpreted.
+//! - [`sweep`]: kernels that loop, for millions of questions to one function.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
+//! - [`streams`]: random numbers, asked for in bulk, and what is counted in them.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
 
 pub mod analytic;
@@ -14,3 +16,5 @@ pub mod probe;
 pub mod chi2;
 pub mod quadrature;
 pub mod stats;
+pub mod streams;
+pub mod sweep;

@@ -107,7 +107,7 @@ impl Default for Probe {
                 "sample",
                 Fun::lam(|b, (g, n, wo, key): (Vec3, Vec3, Vec3, U32)| {
                     let bsdf = material(b, g, n).bsdf;
-                    let s: BsdfSample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
+                    let s: BsdfSample = bsdf.sample.call(b, (Rng::new(0.into(), 0.into(), key), wo));
                     let f: Color = bsdf.eval.call(b, (s.wi, wo));
                     (s, f, bsdf.pdf.call(b, (s.wi, wo)))
                 }),

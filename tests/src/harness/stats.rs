@@ -77,6 +77,12 @@ pub fn normal_tails(z: f64) -> f64 {
     chi2_tail(z * z, 1)
 }
 
+/// Probability that a standard normal number is at least z.
+pub fn normal_upper(z: f64) -> f64 {
+    let half = normal_tails(z) / 2.0;
+    if z < 0.0 { 1.0 - half } else { half }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

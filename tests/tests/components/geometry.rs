@@ -88,7 +88,7 @@ fn bench() -> Bench {
         let camera = make_perspective_camera();
         entry(
             "camera",
-            Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng { key: 7.into(), dim: 0.into() }))),
+            Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng::new(0.into(), 0.into(), 7.into())))),
         );
     });
     bench.rows::<Vertices>(3);

@@ -11,7 +11,7 @@ use jerboa_lib_render::light::{sample_light, spot::make_spot_light};
 use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::*;
 
-use jerboa_tests::harness::bench::{Bench, Random};
+use jerboa_tests::harness::bench::{Bench, Random, stream};
 
 /// Kernels: a sample of the lights from a point; rays that leave light 0; the environment.
 fn bench(lights: usize) -> Bench {
@@ -75,7 +75,7 @@ struct Sample {
 
 fn sample(bench: &mut Bench, key: u32, point: [f32; 3], both: bool) -> Sample {
     let p = point.map(f32::to_bits);
-    let args = [key, 0, p[0], p[1], p[2]];
+    let args = [stream(key), p].concat();
     let out = if both { bench.run_both("sample", &args) } else { bench.run("sample", &args) };
     let f = |i: usize| f32::from_bits(out[i]);
     Sample {
@@ -278,7 +278,7 @@ fn the_environment_is_turned_about_y() {
 /// Flux of light 0 by the rays that leave it: mean of intensity · cos / density, and its standard error.
 fn flux(bench: &mut Bench, random: &mut Random, entry: &str) -> (f64, f64) {
     mean((0..20_000).map(|i| {
-        let args = [random.bits() as u32, 0];
+        let args = stream(random.bits() as u32);
         let out = if i < 50 { bench.run_both(entry, &args) } else { bench.run(entry, &args) };
         let f = |i: usize| f64::from(f32::from_bits(out[i]));
         assert!(((3..6).map(|i| f(i) * f(i)).sum::<f64>() - 1.0).abs() < 1e-5, "a unit direction");

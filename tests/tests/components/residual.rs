@@ -17,7 +17,7 @@ fn residual(structure: &[(u32, Lit)]) -> Program {
             "scatter",
             Fun::lam(|b, (g, n, wi, wo, key): (Vec3, Vec3, Vec3, Vec3, U32)| {
                 let bsdf = material(b, g, n).bsdf;
-                let sample = bsdf.sample.call(b, (Rng { key, dim: 0u32.into() }, wo));
+                let sample = bsdf.sample.call(b, (Rng::new(0.into(), 0.into(), key), wo));
                 (sample, bsdf.eval.call(b, (wi, wo)), bsdf.pdf.call(b, (wi, wo)))
             }),
         );

@@ -15,7 +15,7 @@ use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 use crate::geometry::no_shader;
 use crate::lights::set_area;
 use crate::traverse::{load, ray};
-use jerboa_tests::harness::bench::{Bench, Random};
+use jerboa_tests::harness::bench::{Bench, Random, stream};
 
 /// Kernels: the primitive that a ray in a direction from a hit meets, without and with the knowledge of where it starts;
 /// and the one between a hit and the light.
@@ -151,7 +151,7 @@ fn blocked(bench: &mut Bench, random: &mut Random, triangles: &[Triangle], n: u3
             let (u, v) = (0.5 * random.uniform() as f32, 0.5 * random.uniform() as f32);
             let aim = [0, 1, 2].map(|k| floor[0][k] * (1.0 - u - v) + floor[1][k] * u + floor[2][k] * v);
             let org = [aim[0], aim[1], aim[2] - 1.0];
-            let args = [&ray(org, [0.0, 0.0, 1.0])[..], &[random.bits() as u32, 0]].concat();
+            let args = [&ray(org, [0.0, 0.0, 1.0])[..], &stream(random.bits() as u32)].concat();
             let out = if i < 20 { bench.run_both("shadow", &args) } else { bench.run("shadow", &args) };
             assert_eq!(out[0], 0, "the floor is seen");
             u32::from(out[4] != NONE)

@@ -152,7 +152,7 @@ fn alpha_decides_whether_a_surface_is_there() {
         entry(
             "is_there",
             Fun::<U32, _>::lam(|b, key| {
-                let rng = Rng { key, dim: 0u32.into() };
+                let rng = Rng::new(0.into(), 0.into(), key);
                 is_there(b, Row::<Materials>::at(0u32), [vec2(0.0, 0.0); 2], rng, 1u32.into(), 7u32.into())
             }),
         );
