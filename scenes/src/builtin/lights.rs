@@ -55,6 +55,23 @@ pub(super) fn quad_light() -> Scene {
     scene
 }
 
+/// A square lamp of side 1 and radiance 2π 1e8 at height 1e4, where it fills 1e-8 steradians: irradiance 2π, radiance 1 (but
+/// for (4/1e4)² of it at the rim of the floor).
+pub(super) fn far_lamp() -> Scene {
+    let mut scene = grey_floor();
+    let lamp = scene.paint(Material::emitter("lamp", [std::f32::consts::TAU * 1e8; 3]));
+    scene.place(panel(Vec3::Y * 1e4, 1.0, 1.0), lamp);
+    scene
+}
+
+/// A square lamp of side 1e-10 and radiance 2π 1e20 at height 1: at an angle θ from below it, radiance cos⁴ θ.
+pub(super) fn pinpoint_lamp() -> Scene {
+    let mut scene = grey_floor();
+    let lamp = scene.paint(Material::emitter("lamp", [std::f32::consts::TAU * 1e20; 3]));
+    scene.place(panel(Vec3::Y, 1e-10, 1e-10), lamp);
+    scene
+}
+
 /// 256 lamps of many colours, sizes and strengths over a city of blocks, and 16 point lights.
 pub(super) fn many_lights() -> Scene {
     let mut scene = grey_floor();

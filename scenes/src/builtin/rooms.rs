@@ -1,6 +1,6 @@
 //! Closed rooms: the Cornell box, and enclosures whose radiance is known.
 
-use super::shapes::{floor, inside_out, panel, quad, sky, solid, sphere};
+use super::shapes::{floor, inside_out, panel, quad, sky, solid, sphere, varied};
 use crate::{Light, LightKind, Material, Mesh, Scene};
 use glam::{DAffine3, DVec3, Vec3, vec3};
 
@@ -36,6 +36,43 @@ pub(super) fn far_away() -> Scene {
     let away = DAffine3::from_translation(DVec3::splat(1e6));
     scene.instances.iter_mut().for_each(|i| i.to_world = away * i.to_world);
     scene.cameras.iter_mut().for_each(|c| c.to_world = away * c.to_world);
+    scene
+}
+
+/// The Cornell box with everything, the camera too, `factor` times as large.
+fn scaled_box(factor: f64) -> Scene {
+    let mut scene = cornell_box();
+    let scale = DAffine3::from_scale(DVec3::splat(factor));
+    scene.instances.iter_mut().for_each(|i| i.to_world = scale * i.to_world);
+    scene.cameras.iter_mut().for_each(|c| c.to_world.translation *= factor);
+    scene
+}
+
+/// See [`scaled_box`]; 2^20 times as large. Powers of two are exact, so nothing but an absolute number in the renderer can
+/// tell it from the Cornell box.
+pub(super) fn huge() -> Scene {
+    scaled_box(1_048_576.0)
+}
+
+/// See [`huge`]; 2^13 times as small.
+pub(super) fn tiny() -> Scene {
+    scaled_box(1.0 / 8192.0)
+}
+
+/// The Cornell box and in it triangles without area, as points and as lines, grey ones and ones that glow.
+pub(super) fn crumbs() -> Scene {
+    let mut scene = cornell_box();
+    let dust = scene.paint(Material::diffuse("dust", [0.5; 3]));
+    let spark = scene.paint(Material::emitter("spark", [1e6; 3]));
+    for material in [dust, spark] {
+        for i in 0..100u32 {
+            let [x, y, z] = [3 * i, 3 * i + 1, 3 * i + 2].map(|n| varied(n) * 1.8 - 0.9);
+            let (p, q) = (vec3(x, y + 1.0, z), vec3(z, x + 1.0, y));
+            let positions = vec![p, q];
+            let triangles = vec![[0, 0, 0], [0, 1, 1], [0, 1, 0]];
+            scene.place(Mesh { positions, triangles, ..Mesh::default() }, material);
+        }
+    }
     scene
 }
 
@@ -98,7 +135,7 @@ pub(super) fn black_sphere() -> Scene {
     black_room(sphere(Vec3::ZERO, 1.0, 1))
 }
 
-/// Two perfect mirrors face to face with a small lamp between: paths are long.
+/// Two perfect mirrors face to face with a small lamp between, seen up along their normal: paths are long.
 pub(super) fn facing_mirrors() -> Scene {
     let mut scene = Scene::default();
     let mirror = scene.paint(Material::metal("mirror", [1.0; 3], 0.0));
@@ -106,6 +143,6 @@ pub(super) fn facing_mirrors() -> Scene {
     scene.place(floor(Vec3::NEG_Y, 4.0, 4.0), mirror);
     scene.place(panel(Vec3::Y, 4.0, 4.0), mirror);
     scene.place(sphere(vec3(0.0, 0.0, -1.0), 0.2, 2), lamp);
-    scene.view([0.0, 0.0, 1.9], [0.0, 0.1, 0.0], 1.2, (256, 256));
+    scene.view([0.0, -0.5, 1.5], [0.0, 1.0, 0.9], 1.2, (256, 256));
     scene
 }

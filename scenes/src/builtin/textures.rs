@@ -2,8 +2,11 @@
 
 use super::shapes::{panel, quad, sky};
 use super::surfaces::on_checkerboard;
-use crate::{AlphaMode, Filter, Image, Material, Scene, Texture, TextureRef, TextureSource, UvTransform, Wrap};
-use glam::{Vec2, Vec3, vec3};
+use crate::{
+    AlphaMode, Filter, Image, Instance, Light, LightKind, Material, Scene, Texture, TextureRef, TextureSource,
+    UvTransform, Wrap,
+};
+use glam::{DAffine3, DVec3, Vec2, Vec3, vec3};
 
 /// Cards with holes (MASK) and cards that fade (BLEND), before a checkerboard, with their shadows.
 pub(super) fn alpha() -> Scene {
@@ -65,6 +68,23 @@ pub(super) fn odd_textures() -> Scene {
         }
     }
     scene.view([0.0, 0.0, 6.0], [0.0, 0.0, 0.0], 0.6, (384, 288));
+    scene
+}
+
+/// A card with a normal map of dents that are steep on one side, to the left, and its mirror image, by an instance with a
+/// negative determinant, to the right; lit from between them.
+pub(super) fn mirrored_maps() -> Scene {
+    let mut scene = Scene { environment: Some(sky(16, |d| [0.3 + 0.2 * d.y; 3])), ..Scene::default() };
+    let slope = |x: f32| ((x * 2.0 + 2.0).fract() - 0.2) * 0.9;
+    let code = |x: f32| (x * 127.0 + 128.0) as u8;
+    let dents = scene.picture("dents", [64, 64], |x, y| [code(slope(x)), code(slope(y)), 230, 255], Filter::Bilinear);
+    let card = scene.paint(Material { normal_texture: Some(dents), ..Material::plastic("card", [0.7, 0.5, 0.4], 0.4) });
+    scene.place(quad(vec3(-1.6, -0.7, 0.0), Vec3::X * 1.4, vec3(0.0, 1.3, -0.5)), card);
+    let mirrored = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    scene.instances.push(Instance { mesh: 0, to_world: mirrored });
+    let to_world = DAffine3::from_translation(DVec3::new(0.0, 0.5, 0.7));
+    scene.lights.push(Light { name: "lamp".into(), kind: LightKind::Point, intensity: [2.0; 3], to_world });
+    scene.view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 0.4, (384, 192));
     scene
 }
 

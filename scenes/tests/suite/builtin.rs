@@ -2,8 +2,27 @@
 
 use crate::common::check;
 use glam::DVec3;
+use jerboa_scenes::builtin::Source;
 use jerboa_scenes::{Mesh, Scene, builtin};
 use std::collections::{HashMap, HashSet};
+
+#[test]
+fn the_gallery_says_what_is_hard_and_what_is_right() {
+    let mut count = 0;
+    for (builtin, hard) in builtin::gallery() {
+        count += 1;
+        let (name, reference) = (builtin.name, hard.reference);
+        assert!(!hard.naive.is_empty() && hard.naive.len() <= 100, "{name}: {}", hard.naive);
+        match reference.source {
+            Source::ClosedForm => assert_eq!(reference.standard_error, 0.0, "{name}"),
+            Source::Rendered { spp } => {
+                assert!(spp >= 64 && reference.standard_error > 0.0, "{name}");
+                assert!(reference.standard_error < 4e-3 * reference.mean, "{name}: it says too little");
+            }
+        }
+    }
+    assert!(count > 30, "{count}");
+}
 
 #[test]
 fn every_builtin_is_valid() {
