@@ -281,6 +281,33 @@ fn json_of_compare_tells_the_figures() {
 }
 
 #[test]
+fn bench_stability_tells_speed_and_error_and_shows_pictures() {
+    let desk = Desk::new();
+    let report =
+        desk.json("bench stability --scene pinpoint-lamp builtin:empty --spp 4 --threads 1 --json -o sheet.png");
+    let [lamp, empty] = &report.as_array().expect("a list")[..] else { panic!("two scenes: {report}") };
+    assert_eq!((lamp["scene"].as_str(), empty["scene"].as_str()), (Some("pinpoint-lamp"), Some("empty")));
+    let expected = "dropped_samples mean naive non_finite_pixels pass purpose rays_per_sample rays_per_second reference relative \
+                    samples samples_per_second scene seconds sigmas standard_error";
+    assert_eq!(keys(lamp), expected.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(keys(&lamp["reference"]), ["mean", "source", "spp", "standard_error"]);
+    for row in [lamp, empty] {
+        assert_eq!((row["pass"].as_bool(), row["dropped_samples"].as_u64()), (Some(true), Some(0)), "{row}");
+        assert!(
+            row["samples_per_second"].as_f64() > Some(0.0) && row["rays_per_sample"].as_f64() >= Some(1.0),
+            "{row}"
+        );
+    }
+    assert_eq!((lamp["samples"].as_u64(), empty["mean"].as_f64()), (Some(4 * 108 * 108), Some(0.0)));
+    assert!(lamp["sigmas"].as_f64().is_some_and(|s| s.abs() <= 4.0 && s != 0.0), "{lamp}");
+    let sheet = Image::read(&desk.path().join("sheet.png")).expect("an image");
+    assert!(sheet.width > 2 * 108 && sheet.height > 108 && mean(&sheet) > 0.02, "{}x{}", sheet.width, sheet.height);
+    let table = desk.ok("bench stability --scene tiny --spp 4");
+    assert_eq!(table.lines().count(), 2, "{table}");
+    assert!(table.lines().nth(1).is_some_and(|l| l.starts_with("tiny ") && l.ends_with("pass")), "{table}");
+}
+
+#[test]
 fn dumps_read_back_and_verify() {
     let desk = Desk::new();
     let generic = jerboa_ir::parse(&desk.ok("dump builtin:cornell-box --stage generic")).expect("it parses");
@@ -356,6 +383,16 @@ fn every_error_is_one_readable_line() {
             "trace builtin:cornell-box --pixel 5 --sample 0",
             "invalid value '5' for '--pixel <X,Y>': expected X,Y, as in 120,80",
         ),
+        (
+            "bench stability --scene glass",
+            "--scene glass: not in the gallery of hard cases; there are cornell-box, far-away, ",
+        ),
+        (
+            "bench stability -o out.jpg",
+            "cannot write out.jpg: its name must end in .exr (linear) or .png (tone-mapped)",
+        ),
+        ("bench stability --spp 0", "invalid value '0' for '--spp <N>'"),
+        ("bench", "a command is missing"),
         ("compare a.exr b.exr", "cannot read b.exr: No such file or directory (os error 2)"),
     ];
     for (words, start) in cases {
@@ -393,12 +430,16 @@ fn warnings_are_lines_and_no_failure() {
 fn help_says_every_word() {
     let desk = Desk::new();
     let help = desk.ok("--help");
-    for command in ["render", "dump", "time", "explain", "trace", "compare"] {
+    for command in ["render", "dump", "time", "explain", "trace", "compare", "bench"] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
         assert!(desk.ok(&format!("{command} --help")).contains("Usage: jerboa"), "{command}");
     }
     let words = "--output --spp --width --height --max-depth --seed --known --device --tracer --camera --shading-normals --env \
                  --env-rotation --env-strength --rr-depth --rr-cap --crop --exposure --threads --time-limit --json";
+    let help = desk.ok("bench stability --help");
+    for word in ["--scene", "--spp", "--seed", "--threads", "--json", "--output", "standard errors"] {
+        assert!(help.contains(word), "{word}: {help}");
+    }
     let help = desk.ok("render --help");
     assert_eq!(
         words.split_whitespace().find(|w| !help.contains(&format!("{w} ")) && !help.contains(&format!("{w}\n"))),

@@ -27,6 +27,24 @@ pub enum Command {
     Trace(TraceArgs),
     /// Measure how far images are from a reference
     Compare(CompareArgs),
+    /// Measure speed and error
+    Bench {
+        /// What to measure.
+        #[command(subcommand)]
+        command: BenchCommand,
+    },
+}
+
+/// The subcommands of `jerboa bench`.
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// Render the gallery of hard cases: speed, and error beside the reference values
+    ///
+    /// A line for each scene: how fast it rendered, how far its mean luminance is from the reference value, relatively and in
+    /// standard errors, how many samples were dropped, and how many pixels are not finite. A scene passes if it is within 4
+    /// standard errors and has neither. The exit code is 0 if all pass. `--json` adds what each scene is for, and what a naive
+    /// renderer does there.
+    Stability(StabilityArgs),
 }
 
 /// The scene that is rendered when none is named.
@@ -281,6 +299,29 @@ pub struct CompareArgs {
     pub diff: Option<PathBuf>,
 }
 
+/// Words of `jerboa bench stability`.
+#[derive(Clone, Debug, Args)]
+pub struct StabilityArgs {
+    /// These scenes of the gallery only [default: all]
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub scene: Vec<String>,
+    /// Samples per pixel, rounded up to a multiple of 4
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
+    pub spp: u32,
+    /// Another seed gives other, independent images
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u32,
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Print a list of objects as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write a contact sheet of the pictures, each exposed to the same mean; the names of scenes that fail are red
+    #[arg(short, long, value_name = "SHEET.png")]
+    pub output: Option<PathBuf>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -305,6 +346,7 @@ mod tests {
         Only::<TimeArgs>::command().debug_assert();
         Only::<ExplainArgs>::command().debug_assert();
         Only::<TraceArgs>::command().debug_assert();
+        Only::<StabilityArgs>::command().debug_assert();
     }
 
     #[test]
@@ -342,6 +384,8 @@ mod tests {
         assert_eq!((trace.pixel, trace.sample), (PixelArg([120, 80]), 3));
         let compare: CompareArgs = parse("a.exr b.exr ref.exr --ref-variance v.exr --diff d.png").unwrap();
         assert_eq!(compare.images.len(), 3);
+        let bench: StabilityArgs = parse("--scene huge tiny --scene empty --spp 8 -o sheet.png").unwrap();
+        assert_eq!((bench.scene.len(), bench.spp, bench.output), (3, 8, Some("sheet.png".into())));
     }
 
     #[test]

@@ -9,9 +9,10 @@ mod render;
 mod inspect;
 mod trace;
 mod compare;
+mod bench;
 
 use crate::host::error::Error;
-use args::{Cli, Command};
+use args::{BenchCommand, Cli, Command};
 use clap::Parser;
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -42,7 +43,22 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Explain(args) => print(&inspect::explain(&args)?),
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
+        Command::Bench { command: BenchCommand::Stability(args) } => {
+            let (table, failed) = bench::stability(&args)?;
+            print(&table)?;
+            if failed.is_empty() {
+                Ok(())
+            } else {
+                Err(Error::new(format!("not as it should be: {}", failed.join(", "))))
+            }
+        }
     }
+}
+
+/// Runs `work` on so many threads, one per core if none are asked for.
+fn in_pool<T: Send>(threads: Option<u32>, work: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize).build();
+    pool.map_err(|e| Error::new(format!("cannot start the threads: {e}")))?.install(work)
 }
 
 /// Writes `text` to stdout. A closed pipe means that the reader has seen enough.

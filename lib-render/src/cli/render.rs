@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::args::RenderArgs;
+use super::in_pool;
 use super::scene::{camera, choices, film_size, load, set_environment};
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
@@ -21,9 +22,7 @@ const MOST_PIXELS: usize = 1 << 26;
 
 /// Renders, writes the image and returns what to print.
 pub(super) fn run(args: &RenderArgs) -> Result<String, Error> {
-    let threads = args.threads.unwrap_or(0) as usize;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|e| Error::new(format!("cannot start the threads: {e}")))?.install(|| run_here(args))
+    in_pool(args.threads, || run_here(args))
 }
 
 fn run_here(args: &RenderArgs) -> Result<String, Error> {

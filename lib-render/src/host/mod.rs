@@ -9,7 +9,9 @@
 //! * [`image_io`]: linear images in memory and on disk,
 //! * [`bvh`]: the tree of boxes over a scene's triangles,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
-//! * [`compare`]: how far an image is from a reference, and whether noise explains it.
+//! * [`compare`]: how far an image is from a reference, and whether noise explains it,
+//! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
+//! * [`sheet`]: pictures in rows, with their names.
 
 pub mod tables;
 pub mod generate;
@@ -17,6 +19,8 @@ pub mod renderer;
 pub mod replay;
 pub mod bvh;
 pub mod compare;
+pub mod stability;
+pub mod sheet;
 pub mod distribution;
 pub mod error;
 pub mod film;
