@@ -4,7 +4,7 @@
 //! bits. `tests/conformance.rs` checks each operation on every engine over all special values (accuracy list, T2);
 //! `tests/random.rs` checks random programs (T1, T23), and `tests/divergence.rs` that specialisation ends (T23). The
 //! renderer's parts are asked and judged by [`harness`]. The checkout's own text is in [`sources`], for the tests of its
-//! habits.
+//! habits; [`mutations`] spoils it, to see whether all these tests notice (T32).
 //!
 //! ```
 //! use jerboa_ir::interp::{Limits, run};
@@ -22,6 +22,7 @@ pub mod golden;
 pub mod harness;
 pub mod knowledge;
 pub mod machine;
+pub mod mutations;
 pub mod programs;
 pub mod refold;
 pub mod sources;

@@ -1,0 +1,178 @@
+//! Mistakes of a renderer: in scattering, lights, the walk of a path, geometry and random numbers.
+
+use super::Mutation;
+
+pub(super) const MUTATIONS: &[Mutation] = &[
+    // ---- BSDFs
+    Mutation {
+        name: "cosine-dropped",
+        file: "lib-render/src/bsdf/gltf.rs",
+        before: "BsdfSample::scattered(wi, f * shading_cos(self.surf, wi), pdf)",
+        after: "BsdfSample::scattered(wi, f, pdf)",
+        mistake: "the weight of a sample lacks the cosine",
+    },
+    Mutation {
+        name: "pdf-doubled",
+        file: "lib-render/src/core/sampling.rs",
+        before: "cos.max(0.0) * FRAC_1_PI",
+        after: "cos.max(0.0) * (2.0 * FRAC_1_PI)",
+        mistake: "the density of cosine-weighted directions is twice what is sampled",
+    },
+    Mutation {
+        name: "schlick-for-dielectrics",
+        file: "lib-render/src/core/fresnel.rs",
+        before: "0.5 * (a * a) * (1.0 + b * b)",
+        after: "{ let (f0, m) = (fresnel_normal(eta), 1.0 - c); f0 + (1.0 - f0) * (m * m * m * m * m) }",
+        mistake: "Schlick's approximation stands for the exact Fresnel factor (most glTF viewers)",
+    },
+    Mutation {
+        name: "smith-is-height-correlated",
+        file: "lib-render/src/bsdf/rough.rs",
+        before: "pdf * ggx_g1_over_cos(wi.z, self.alpha)",
+        after: "{ let [o, i] = [self.wo.z, wi.z].map(|c| c * ggx_g1_over_cos(c, self.alpha)); pdf * (i / wi.z) / (o + i - o * i) }",
+        mistake: "height-correlated instead of separable Smith masking, which glTF's text asks for",
+    },
+    Mutation {
+        name: "normals-not-the-visible-ones",
+        file: "lib-render/src/core/microfacet.rs",
+        before: "(1.0 - u.y) * (1.0 + i.z) - i.z",
+        after: "1.0 - u.y",
+        mistake: "microfacet normals are drawn from the upper hemisphere instead of the visible cap",
+    },
+    Mutation {
+        name: "eta-inverted",
+        file: "lib-render/src/bsdf/dielectric.rs",
+        before: "self.outside.select(ior, inverse)",
+        after: "self.outside.select(inverse, ior)",
+        mistake: "inside and outside of glass are exchanged",
+    },
+    Mutation {
+        name: "refraction-without-radiance-scale",
+        file: "lib-render/src/bsdf/dielectric.rs",
+        before: "weight * radiance_scale",
+        after: "weight",
+        mistake: "refracted radiance is not scaled by the squared ratio of indices (Veach 1997, 5.2)",
+    },
+    Mutation {
+        name: "delta-has-density-one",
+        file: "lib-render/src/bsdf/mod.rs",
+        before: "PdfFn::lam(|_, _| F32::from(0.0))",
+        after: "PdfFn::lam(|_, _| F32::from(1.0))",
+        mistake: "the density of a mirror is 1, also within a mix (Rodent's mix of black and mirror: .38 for .5)",
+    },
+    // ---- lights and multiple importance sampling
+    Mutation {
+        name: "area-density-as-direction-density",
+        file: "lib-render/src/light/area.rs",
+        before: "distance * distance / cos.abs()",
+        after: "distance * distance",
+        mistake: "the Jacobian from area to solid angle lacks the cosine at the light",
+    },
+    Mutation {
+        name: "choice-of-light-forgotten",
+        file: "lib-render/src/light.rs",
+        before: "row.get(Lights::PROBABILITY) / row.get(Lights::AREA)",
+        after: "1.0 / row.get(Lights::AREA)",
+        mistake: "a ray that hits an emitter is weighed without the probability of choosing that light",
+    },
+    Mutation {
+        name: "spot-falls-off-linearly",
+        file: "lib-render/src/light/spot.rs",
+        before: "strength(row) * (ramp * ramp)",
+        after: "strength(row) * ramp",
+        mistake: "the edge of a spot light is a ramp; KHR_lights_punctual squares it",
+    },
+    Mutation {
+        name: "environment-without-sine",
+        file: "lib-render/src/light/environment.rs",
+        before: "p * self.width.to_f32() * self.height.to_f32() * JACOBIAN / sin_theta",
+        after: "p * self.width.to_f32() * self.height.to_f32() * JACOBIAN",
+        mistake: "the density of a direction to the environment lacks 1 / sin(theta)",
+    },
+    Mutation {
+        name: "weights-do-not-sum-to-one",
+        file: "lib-render/src/tracer/path.rs",
+        before: "power_heuristic(light.pdf_dir, by_bsdf)",
+        after: "power_heuristic(by_bsdf, light.pdf_dir)",
+        mistake: "the two densities of a light sample's weight are exchanged",
+    },
+    // ---- rays
+    Mutation {
+        name: "ties-go-to-the-first-visited",
+        file: "lib-render/src/traverse/mod.rs",
+        before: "hit.t.lt(best.t) | (hit.t.eq(best.t) & primitive.lt(best.primitive))",
+        after: "hit.t.lt(best.t)",
+        mistake: "of two triangles at the same distance the one that the tree shows first wins",
+    },
+    Mutation {
+        name: "boxes-not-padded",
+        file: "lib-render/src/traverse/bvh.rs",
+        before: "Slabs { inv, org_entry: ray.org + forward, org_exit: ray.org - forward }",
+        after: "Slabs { inv, org_entry: ray.org, org_exit: ray.org }",
+        mistake: "the slab test has no bound on its rounding: misses at edges (Rodent; Ize 2013)",
+    },
+    Mutation {
+        name: "nan-closes-the-box",
+        file: "lib-render/src/traverse/bvh.rs",
+        before: "entry.z.max(entry.y.max(entry.x.max(0.0)))",
+        after: "F32::from(0.0).max(entry.x).max(entry.y).max(entry.z)",
+        mistake: "the operands of min and max are in the other order: a ray in the plane of a side misses the box",
+    },
+    Mutation {
+        name: "triangles-are-one-sided",
+        file: "lib-render/src/traverse/triangle.rs",
+        before: "!(negative & positive)",
+        after: "!negative",
+        mistake: "backfaces are not hit",
+    },
+    Mutation {
+        name: "offset-to-the-wrong-side",
+        file: "lib-render/src/geometry/offset.rs",
+        before: "normal.dot(direction).lt(0.0)",
+        after: "normal.dot(direction).gt(0.0)",
+        mistake: "rays start behind the surface they leave",
+    },
+    Mutation {
+        name: "offset-is-absolute",
+        file: "lib-render/src/geometry/offset.rs",
+        before: "normal.abs().dot(error)",
+        after: "F32::from(0.001)",
+        mistake: "rays start a millimetre off, whatever the scale of the scene (Rodent: offset = 0.001)",
+    },
+    Mutation {
+        name: "half-a-pixel-off",
+        file: "lib-render/src/camera.rs",
+        before: "i.to_f32() + a",
+        after: "i.to_f32() + a + 0.5",
+        mistake: "pixel centres where their corners are",
+    },
+    // ---- paths and random numbers
+    Mutation {
+        name: "dimension-reused",
+        file: "lib-render/src/tracer/path.rs",
+        before: "state.rng.vertex(state.vertex, DIM_ROULETTE)",
+        after: "state.rng.vertex(state.vertex, DIM_BSDF)",
+        mistake: "roulette reads the number that chose the lobe",
+    },
+    Mutation {
+        name: "pixels-correlated",
+        file: "lib-render/src/core/rng.rs",
+        before: "(1..=4).fold((sample, pixel), round)",
+        after: "(1..=4).fold((sample + pixel, U32::from(0)), round)",
+        mistake: "sample 1 of a pixel is sample 0 of its neighbour (Rodent's FNV seed: p = 0 for neighbours)",
+    },
+    Mutation {
+        name: "one-is-drawn",
+        file: "lib-render/src/core/rng.rs",
+        before: "(x >> 8).to_f32() * (1.0 / 16_777_216.0)",
+        after: "x.to_f32() * (1.0 / 4_294_967_296.0)",
+        mistake: "u = 1 comes up for x >= 0xFFFFFF80 (x * 2^-32)",
+    },
+    Mutation {
+        name: "survivors-not-divided",
+        file: "lib-render/src/tracer/path.rs",
+        before: "throughput / survival",
+        after: "throughput",
+        mistake: "roulette ends paths and does not make up for it",
+    },
+];
