@@ -5,6 +5,7 @@ mod bsdf;
 mod geometry;
 mod lights;
 mod materials;
+mod mix;
 mod spawn;
 mod residual;
 mod textures;
