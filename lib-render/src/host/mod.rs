@@ -10,6 +10,7 @@
 //! * [`bvh`]: the tree of boxes over a scene's triangles,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it,
+//! * [`student`]: the quantiles that this takes,
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names.
 
@@ -27,4 +28,4 @@ pub mod film;
 pub mod image_io;
 #[cfg(test)]
 mod random;
-mod student;
+pub mod student;

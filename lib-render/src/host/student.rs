@@ -7,7 +7,10 @@ use std::f64::consts::FRAC_PI_2;
 /// For a whole number of degrees of freedom P(|t| < x) is a finite sum, so no incomplete beta function is needed. The
 /// bisection runs in the angle atan(x/sqrt(nu)), where the range is finite; the error is below 1e-12 relative for
 /// `inside` up to 0.9999.
-pub(super) fn two_sided_quantile(nu: u32, inside: f64) -> f64 {
+///
+/// # Panics
+/// If `nu` is 0 or `inside` is not in [0, 1).
+pub fn two_sided_quantile(nu: u32, inside: f64) -> f64 {
     assert!(nu >= 1 && (0.0..1.0).contains(&inside), "Student's t needs nu >= 1 and a probability below 1");
     let (mut lo, mut hi) = (0.0, FRAC_PI_2);
     // Each step halves an interval of length below 2, so 60 steps reach the resolution of f64.

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use jerboa_backend_cranelift::{self as cranelift, Binding, Code, Status};
-use jerboa_ir::interp::{self, Limits, Memory};
+use jerboa_ir::interp::{Interp, Limits, Memory, Observer};
 use jerboa_ir::lang::{self, Buf, Col};
-use jerboa_ir::{BufId, BufKind, Lit, Program};
+use jerboa_ir::{BufId, BufKind, ContId, Lit, Program};
 use jerboa_lib_render::schema::declare_all;
 use jerboa_peval::{self as peval, Arg, Facts, Generic};
 
@@ -116,22 +116,39 @@ impl Bench {
         self.run(entry, &args).into_iter().map(f32::from_bits).collect()
     }
 
+    /// Continuations that the interpreter enters on a run: how long it takes, without a clock.
+    pub fn steps(&mut self, entry: &str, args: &[u32]) -> u64 {
+        struct Steps(u64);
+        impl Observer for Steps {
+            fn enter(&mut self, _: ContId) {
+                self.0 += 1;
+            }
+        }
+        let mut steps = Steps(0);
+        self.interpret(entry, args, &mut steps);
+        steps.0
+    }
+
     /// As [`Bench::run`], by the interpreter, which must agree to the bit.
     pub fn run_both(&mut self, entry: &str, args: &[u32]) -> Vec<u32> {
         let compiled = self.run(entry, args);
-        let program = self.generic.program();
-        let cont = program.entry(entry).expect("it was compiled under this name");
-        let params = program.cont(cont).params.iter();
-        let scalars = params.filter_map(|p| Some(p.ty.lanes()?.0));
-        let lits: Vec<Lit> = scalars.zip(args).map(|(scalar, word)| Lit::from_word(scalar, *word)).collect();
-        let interpreted =
-            interp::run(program, cont, &lits, &mut self.memory.clone(), Limits::default()).expect("it runs");
-        let words: Vec<u32> = interpreted.into_iter().map(Lit::word).collect();
+        let words = self.interpret(entry, args, &mut ());
         // A NaN among results may have any bits; a result that is no float and looks like one is rarely wrong alone.
         let same = |(a, b): (&u32, &u32)| a == b || (f32::from_bits(*a).is_nan() && f32::from_bits(*b).is_nan());
         let agree = words.len() == compiled.len() && words.iter().zip(&compiled).all(same);
         assert!(agree, "`{entry}`: interpreter {words:x?}, machine code {compiled:x?}");
         compiled
+    }
+
+    /// As [`Bench::run`], by the interpreter, watched.
+    fn interpret(&mut self, entry: &str, args: &[u32], observer: &mut impl Observer) -> Vec<u32> {
+        let program = self.generic.program();
+        let cont = program.entry(entry).expect("it was compiled under this name");
+        let params = program.cont(cont).params.iter();
+        let scalars = params.filter_map(|p| Some(p.ty.lanes()?.0));
+        let lits: Vec<Lit> = scalars.zip(args).map(|(scalar, word)| Lit::from_word(scalar, *word)).collect();
+        let run = Interp::new(program).run_observed(cont, &lits, &mut self.memory.clone(), Limits::default(), observer);
+        run.expect("it runs").into_iter().map(Lit::word).collect()
     }
 }
 

@@ -8,13 +8,20 @@
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
 //! - [`streams`]: random numbers, asked for in bulk, and what is counted in them.
+//! - [`hostile`]: triangles that are hard on the builder of trees.
+//! - [`metamorphic`]: changes of scenes that keep the image, or scale it.
+//! - [`rays`]: closed shapes, ways to aim at them, trees; and [`naive`], what they are measured against.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
 
 pub mod analytic;
 pub mod bench;
+pub mod hostile;
+pub mod metamorphic;
+pub mod naive;
 pub mod probe;
 pub mod chi2;
 pub mod quadrature;
+pub mod rays;
 pub mod stats;
 pub mod streams;
 pub mod sweep;

@@ -3,6 +3,7 @@
 
 mod bsdf;
 mod geometry;
+mod hostile;
 mod lights;
 mod materials;
 mod mix;
@@ -10,3 +11,4 @@ mod spawn;
 mod residual;
 mod textures;
 mod traverse;
+mod watertight;

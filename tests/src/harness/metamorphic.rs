@@ -1,0 +1,241 @@
+//! Pairs of scenes whose images are known to be related (accuracy.md, T11, T15): the same bits, or the same mean.
+//!
+//! A row of [`CHANGES`] adds a change to the test of every scene. The two changes that keep all bits are functions of an
+//! exponent, [`scaled`] and [`brighter`].
+
+use glam::{DAffine3, DMat3, DVec3};
+use jerboa_lib_render::host::film::Window;
+use jerboa_lib_render::host::image_io::luminance;
+use jerboa_lib_render::host::renderer::{Options, Renderer};
+use jerboa_lib_render::host::student::two_sided_quantile;
+use jerboa_lib_render::host::tables::Pass;
+use jerboa_scenes::*;
+
+use super::stats::{mean, sidak};
+
+/// The scene, 2^k times as large, with lights that make it look the same: power per area is kept.
+pub fn scaled(scene: &Scene, k: i32) -> Scene {
+    let (s, mut scene) = (2.0_f64.powi(k), scene.clone());
+    moved(&mut scene, DAffine3::from_scale(DVec3::splat(s)));
+    for light in &mut scene.lights {
+        if light.kind != LightKind::Directional {
+            light.intensity = light.intensity.map(|i| i * (s * s) as f32);
+        }
+    }
+    scene.materials.iter_mut().filter_map(|m| m.volume.as_mut()).for_each(|v| v.attenuation_distance *= s as f32);
+    scene
+}
+
+/// The scene with 2^k times the light.
+pub fn brighter(scene: &Scene, k: i32) -> Scene {
+    let (s, mut scene) = (2.0_f32.powi(k), scene.clone());
+    scene.materials.iter_mut().for_each(|m| m.emissive = m.emissive.map(|e| e * s));
+    scene.lights.iter_mut().for_each(|l| l.intensity = l.intensity.map(|i| i * s));
+    scene.environment.iter_mut().for_each(|e| e.intensity *= s);
+    scene
+}
+
+/// Moves everything that has a place.
+fn moved(scene: &mut Scene, by: DAffine3) {
+    scene.instances.iter_mut().for_each(|i| i.to_world = by * i.to_world);
+    scene.lights.iter_mut().for_each(|l| l.to_world = by * l.to_world);
+    scene.cameras.iter_mut().for_each(|c| c.to_world = by * c.to_world);
+}
+
+/// A change of a scene that keeps the mean of its image.
+pub struct Change {
+    /// What tests call it.
+    pub name: &'static str,
+    /// The changed scene, or `None` where the change does not apply.
+    pub make: fn(&Scene) -> Option<Scene>,
+}
+
+/// The changes that keep the mean.
+pub const CHANGES: [Change; 6] = [
+    Change { name: "each triangle split in two", make: |scene| Some(split(scene)) },
+    Change { name: "objects, triangles and lights in reverse", make: |scene| Some(reversed(scene)) },
+    Change { name: "turned by a quarter about y", make: |scene| Some(turned(scene)) },
+    Change { name: "x, y, z in place of y, z, x", make: cycled },
+    Change { name: "moved by 1e3", make: |scene| Some(translated(scene, 1e3)) },
+    Change { name: "moved by 1e6", make: |scene| Some(translated(scene, 1e6)) },
+];
+
+fn translated(scene: &Scene, by: f64) -> Scene {
+    let mut scene = scene.clone();
+    moved(&mut scene, DAffine3::from_translation(DVec3::splat(by)));
+    scene
+}
+
+fn turned(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    // x' = z, z' = -x, as a positive rotation of the environment turns it.
+    moved(&mut scene, DAffine3::from_mat3(DMat3::from_cols(-DVec3::Z, DVec3::Y, DVec3::X)));
+    scene.environment.iter_mut().for_each(|e| e.rotation_deg += 90.0);
+    scene
+}
+
+/// Not where an environment tells the axes apart.
+fn cycled(scene: &Scene) -> Option<Scene> {
+    let uniform = |e: &Environment| e.radiance.iter().all(|r| *r == e.radiance[0]);
+    let mut scene = scene.clone();
+    moved(&mut scene, DAffine3::from_mat3(DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X)));
+    scene.environment.as_ref().is_none_or(uniform).then_some(scene)
+}
+
+fn reversed(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let last = scene.meshes.len().saturating_sub(1);
+    scene.meshes.reverse();
+    scene.meshes.iter_mut().for_each(|m| m.triangles.reverse());
+    scene.instances.reverse();
+    scene.instances.iter_mut().for_each(|i| i.mesh = last - i.mesh);
+    scene.lights.reverse();
+    scene
+}
+
+/// Every triangle cut from the middle of its longest side to the corner opposite.
+fn split(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    for mesh in &mut scene.meshes {
+        let whole = std::mem::take(&mut mesh.triangles);
+        for t in whole {
+            let side = |i: usize| mesh.positions[t[i] as usize].distance(mesh.positions[t[(i + 1) % 3] as usize]);
+            let longest = (0..3).fold(0, |best, i| if side(i) > side(best) { i } else { best });
+            let [a, b, c] = [0, 1, 2].map(|i| t[(longest + i) % 3]);
+            let middle = halve(mesh, a as usize, b as usize);
+            mesh.triangles.extend([[a, middle, c], [middle, b, c]]);
+        }
+    }
+    scene
+}
+
+/// A new vertex in the middle of two; gives its number. Attributes stay linear along the side.
+fn halve(mesh: &mut Mesh, a: usize, b: usize) -> u32 {
+    mesh.positions.push(mesh.positions[a].midpoint(mesh.positions[b]));
+    let normals = mesh.normals.iter_mut();
+    normals.for_each(|n| n.push((n[a] + n[b]) / 2.0));
+    mesh.tangents.iter_mut().for_each(|t| t.push((t[a] + t[b]) / 2.0));
+    mesh.uvs.iter_mut().flatten().for_each(|uv| uv.push((uv[a] + uv[b]) / 2.0));
+    mesh.colors.iter_mut().for_each(|c| c.push((c[a] + c[b]) / 2.0));
+    mesh.positions.len() as u32 - 1
+}
+
+/// A room with every kind of light, surface and lookup: area, point, spot and directional lights, an environment, metal,
+/// glass that absorbs, a texture and a normal map. One scene, so that a test needs to compile for one only.
+pub fn medley() -> Scene {
+    let load = |name: &str| Scene::load(format!("builtin:{name}")).expect("it is built in");
+    let mut scene = load("cornell-box");
+    let with = load("environment");
+    scene.environment = with.environment;
+    scene.environment.iter_mut().for_each(|e| e.intensity = 0.2);
+    let kinds = [LightKind::Point, LightKind::Spot { inner: 0.3, outer: 0.6 }, LightKind::Directional];
+    for (i, kind) in kinds.into_iter().enumerate() {
+        let at = DVec3::new(0.4 * i as f64 - 0.4, 1.5, 0.6);
+        let to_world = DAffine3::from_translation(at) * DAffine3::from_rotation_x(-1.2);
+        scene.lights.push(Light { name: "light".into(), kind, intensity: [0.5; 3], to_world });
+    }
+    let bumps = |x: u32, y: u32| [100 + 14 * (x % 5) as u8, 90 + 18 * (y % 4) as u8, 240, 255];
+    let stripes = |x: u32, y: u32| [40 * (x % 6) as u8, 200, 50 * (y % 5) as u8, 255];
+    let [bumps, stripes] = [image(bumps), image(stripes)].map(|image| {
+        scene.images.push(image);
+        let source = TextureSource::Image(scene.images.len() - 1);
+        let texture = Texture {
+            name: "texture".into(),
+            source,
+            wrap_s: Wrap::Repeat,
+            wrap_t: Wrap::Mirror,
+            filter: Filter::Bilinear,
+        };
+        scene.textures.push(texture);
+        Some(TextureRef { texture: scene.textures.len() - 1, uv_set: 0, transform: None })
+    });
+    // The floor is bumpy. Not all that is white: the boxes have no texture coordinates, so no frame of their own.
+    scene.materials.push(Material { normal_texture: bumps, ..scene.materials[0].clone() });
+    scene.meshes[0].material = scene.materials.len() - 1;
+    scene.materials[1].base_color_texture = stripes;
+    let balls = load("environment").meshes.pop().expect("a ball");
+    let metal = Material::metal("metal", [0.9, 0.6, 0.3], 0.4);
+    let mut glass = Material::glass("glass", 1.5);
+    glass.volume.iter_mut().for_each(|v| (v.attenuation_distance, v.attenuation_color) = (0.5, [0.9, 0.5, 0.3]));
+    for (i, material) in [metal, glass].into_iter().enumerate() {
+        scene.materials.push(material);
+        scene.meshes.push(Mesh { material: scene.materials.len() - 1, ..balls.clone() });
+        let to_world = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(0.5),
+            Default::default(),
+            DVec3::new(0.5 - i as f64, 0.7 - 0.4 * i as f64, 0.5),
+        );
+        scene.instances.push(Instance { mesh: scene.meshes.len() - 1, to_world });
+    }
+    Scene { name: "medley".into(), ..scene }
+}
+
+fn image(texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
+    let rgba = (0..64).map(|i| texel(i % 8, i / 8)).collect();
+    Image { name: "image".into(), width: 8, height: 8, rgba }
+}
+
+/// The words of all samples of a small film.
+pub fn words(scene: &Scene, side: u32, samples: u32) -> Vec<u32> {
+    let renderer = Renderer::new(scene, Options::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    render(&renderer, &scene.camera_or_default(), side, samples, 0)
+}
+
+fn render(renderer: &Renderer, camera: &Camera, side: u32, samples: u32, seed: u32) -> Vec<u32> {
+    let window = Window { x: 0, y: 0, width: side, height: side };
+    let pass = Pass { size: [side; 2], window, sample: 0, samples, seed };
+    renderer.samples(camera, &pass).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Renders of a scene with a seed each: means of blocks of pixels, by block and render.
+pub struct Renders {
+    blocks: Vec<Vec<f64>>,
+}
+
+/// Blocks along a side of the film.
+const BLOCKS: u32 = 4;
+/// Side of a block in pixels.
+const BLOCK: u32 = 15;
+/// Renders of each scene: with 31 on both sides Student's t has 60 degrees of freedom.
+const RENDERS: u32 = 31;
+
+impl Renders {
+    /// Renders a scene; seeds begin with `seed`.
+    pub fn new(scene: &Scene, samples: u32, seed: u32) -> Renders {
+        let renderer = Renderer::new(scene, Options::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+        let camera = scene.camera_or_default();
+        let side = BLOCKS * BLOCK;
+        let mut blocks = vec![vec![0.0; RENDERS as usize]; (BLOCKS * BLOCKS) as usize];
+        for k in 0..RENDERS {
+            let words = render(&renderer, &camera, side, samples, seed + k);
+            let items = (side * side * samples) as usize;
+            for i in 0..items {
+                let pixel = i as u32 / samples;
+                let block = pixel / side / BLOCK * BLOCKS + pixel % side / BLOCK;
+                let rgb = [0, 1, 2].map(|c| f32::from_bits(words[c * items + i]));
+                blocks[block as usize][k as usize] += luminance(rgb) / f64::from(BLOCK * BLOCK * samples);
+            }
+        }
+        Renders { blocks }
+    }
+
+    /// The largest |t| over the blocks and over the whole, and the value that it exceeds with probability `family` where
+    /// both have the same mean (Šidák; Student's t with 60 degrees of freedom).
+    pub fn distance(&self, other: &Renders, family: f64) -> (f64, f64) {
+        let whole = |r: &Renders| (0..RENDERS as usize).map(|k| r.blocks.iter().map(|b| b[k]).sum::<f64>()).collect();
+        let pairs = self.blocks.iter().cloned().zip(other.blocks.iter().cloned());
+        let t = pairs.chain([(whole(self), whole(other))]).map(|(a, b): (Vec<f64>, Vec<f64>)| {
+            let ((a, ea), (b, eb)) = (mean(a), mean(b));
+            // Equal values without any spread agree.
+            if a == b { 0.0 } else { (a - b).abs() / ea.hypot(eb) }
+        });
+        let most = t.fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
+        (most, two_sided_quantile(2 * RENDERS - 2, 1.0 - sidak(family, self.blocks.len() + 1)))
+    }
+
+    /// The renders, darker by this share.
+    pub fn darker(mut self, share: f64) -> Renders {
+        self.blocks.iter_mut().flatten().for_each(|x| *x *= 1.0 - share);
+        self
+    }
+}
