@@ -14,7 +14,7 @@ use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Settings, Tangents, Uvs, Vertices};
 use jerboa_lib_render::shader::Shader;
 
-use jerboa_tests::harness::bench::{Bench, Random};
+use jerboa_tests::harness::bench::{Bench, Random, number};
 
 /// A shader that nobody asks.
 pub fn no_shader() -> Shader {
@@ -129,7 +129,8 @@ fn a_flat_triangle_without_attributes_has_its_own_normal_and_some_frame() {
     for scale in [1.0, 1e-18, 1e18] {
         place(&mut bench, FLAT.map(|p| p.map(|x| x * scale)));
         let s = bench.run_both("surface", &[0.25_f32, 0.5].map(f32::to_bits));
-        assert_eq!(floats::<3>(&s), [0.5 * scale, scale, 0.0]);
+        let near = |x: f32, y: f32| (x - y * scale).abs() <= 1e-5 * scale;
+        assert!(near(floats::<1>(&s)[0], 0.5) && near(floats::<1>(&s[1..])[0], 1.0) && s[2] == 0);
         assert_eq!(floats::<3>(&s[6..]), [0.0, 0.0, 1.0], "face normal");
         assert_eq!(floats::<3>(&s[15..]), [0.0, 0.0, 1.0], "shading normal");
         assert_eq!(floats::<6>(&s[9..]), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0], "tangent and bitangent");
@@ -198,12 +199,14 @@ fn height(p: [f64; 3], corners: [[f32; 3]; 3]) -> f64 {
     dot(sub(p, a), n) / dot(n, n).sqrt()
 }
 
+/// T10: a ray starts on the side it goes to, and no farther from the point than a hundred-thousandth of the triangle and
+/// eight units in the last place of the point. `JERBOA_RAYS=N` tries N points instead of 20,000.
 #[test]
-fn rays_start_on_the_side_they_go_to_and_close_to_the_surface() {
+fn rays_start_on_the_side_they_go_to_and_close_to_the_point() {
     let mut random = Random::new(0x5eed_0004);
     let mut bench = bench();
     let mut longest = 0.0_f64;
-    for _ in 0..20_000 {
+    for i in 0..number("JERBOA_RAYS", 20_000) {
         let (size, far) = (10.0_f32.powf(16.0 * random.uniform() as f32 - 8.0), random.point());
         let away = if random.below(2) == 0 { 0.0 } else { 1000.0 * size };
         let corners = [0; 3].map(|_| {
@@ -211,18 +214,26 @@ fn rays_start_on_the_side_they_go_to_and_close_to_the_surface() {
             [0, 1, 2].map(|k| p[k] * size + far[k] * away)
         });
         place(&mut bench, corners);
+        // Inside, on a side, and at a corner.
         let (u, v) = (random.uniform() as f32, random.uniform() as f32);
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let (u, v) = [(u, v), (u, 0.0), (1.0 - v, v), (0.0, 1.0)][i % 4];
         let w = random.point();
         let out = bench.run("offset", &[u, v, w[0], w[1], w[2]].map(f32::to_bits));
-        let (error, normal, org) = (vec(&out[3..]), vec(&out[6..]), vec(&out[9..]));
+        let (normal, org) = (vec(&out[6..]), vec(&out[9..]));
         let side = dot(normal, w.map(f64::from)).signum();
         assert!(side * height(org, corners) > 0.0, "{corners:?} at {u}, {v} towards {w:?}");
-        let moved = dot(error, normal.map(f64::abs));
-        longest = longest.max(height(org, corners).abs() / moved);
+        let [p, q, r] = corners.map(|p| p.map(f64::from));
+        let [u, v] = [u, v].map(f64::from);
+        let point = [0, 1, 2].map(|k| p[k] + u * (q[k] - p[k]) + v * (r[k] - p[k]));
+        let length = |v: [f64; 3]| dot(v, v).sqrt();
+        let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+        let size = length(sub(q, p)).max(length(sub(r, p))).max(length(sub(r, q)));
+        let bound = 1e-5 * size + 8.0 * f64::from(f32::EPSILON) * length(point);
+        longest = longest.max(length(sub(org, point)) / bound);
     }
-    println!("at most {longest:.2} bounds from the plane");
-    assert!(longest < 4.0);
+    println!("at most {longest:.2} bounds from the point");
+    assert!(longest <= 1.0);
 }
 
 #[test]
