@@ -21,9 +21,12 @@ pub fn make_cpu_device() -> Device {
     Device { trace }
 }
 
-/// The kernel: for each item, emit, then trace and shade until the path ends.
 fn trace(name: &str, tracer: Tracer) {
-    let traverse = make_traverse();
+    trace_with(name, tracer, make_traverse());
+}
+
+/// The kernel of this name, over a traversal: for each item, emit, then trace and shade until the path ends.
+pub fn trace_with(name: &str, tracer: Tracer, traverse: TraverseFn) {
     entry(
         name,
         Fun::<(U32, U32), ()>::named(name, |b, (first, count)| {
