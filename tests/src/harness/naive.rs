@@ -71,8 +71,8 @@ impl Lines {
 
     fn span(self, test: BoxTest, Bounds { lo, hi }: Bounds) -> Span {
         let (lo, hi) = match test {
-            BoxTest::Precomputed => (self.from_start(lo), self.from_start(hi)),
-            _ => (self.from_origin(lo), self.from_origin(hi)),
+            BoxTest::Precomputed => (self.via_start(lo), self.via_start(hi)),
+            _ => (self.via_origin(lo), self.via_origin(hi)),
         };
         let (near, far) = match test {
             BoxTest::Unordered => (lo.zip(hi, F32::min), lo.zip(hi, F32::max)),
@@ -97,11 +97,11 @@ impl Lines {
         }
     }
 
-    fn from_origin(self, plane: Vec3) -> Vec3 {
+    fn via_origin(self, plane: Vec3) -> Vec3 {
         (plane - self.org).zip(self.inv, |distance, inv| distance * inv)
     }
 
-    fn from_start(self, plane: Vec3) -> Vec3 {
+    fn via_start(self, plane: Vec3) -> Vec3 {
         plane.zip(self.inv, |p, inv| p * inv) - self.start
     }
 }
