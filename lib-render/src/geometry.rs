@@ -43,8 +43,11 @@ pub struct SurfaceElement {
     pub primitive: U32,
     /// The light that this primitive is, a row of `Lights`, or `NONE`.
     pub light: U32,
+    /// Where rays leave: the point, a little inside of the triangle's sides, so that no ray starts beyond a wall that
+    /// meets this one there.
+    pub start: Vec3,
 }
-impl_staged!(SurfaceElement { point, error, face_normal, local, uv, primitive, light });
+impl_staged!(SurfaceElement { point, error, face_normal, local, uv, primitive, light, start });
 
 impl SurfaceElement {
     /// Cosine between a direction and the face normal.
@@ -67,7 +70,7 @@ impl_staged!(Geometry { surface_element, shader });
 pub fn make_geometry(row: Row<Geometries>, shader: Shader) -> Geometry {
     let surface_element = Fun::lam(move |b: &mut Block, (_, hit): (Ray, Hit)| {
         let triangle = Triangle::of(hit);
-        let (point, error) = triangle.point();
+        let (point, error, start) = triangle.point();
         let face_normal = triangle.face_normal();
         let uv = triangle.uv(b, row);
         let normal = triangle.shading_normal(b, row, face_normal);
@@ -79,6 +82,7 @@ pub fn make_geometry(row: Row<Geometries>, shader: Shader) -> Geometry {
             uv,
             primitive: hit.primitive,
             light: Row::<Primitives>::at(hit.primitive).get(Primitives::LIGHT),
+            start,
         }
     });
     Geometry { surface_element, shader }

@@ -1,9 +1,10 @@
 //! Where rays start and end so that they do not hit the surface they leave (accuracy.md, N1).
 //!
-//! A point of a triangle is known up to a box of half width `error`. It is moved along the face normal until it is
-//! outside of that box, to the side where the ray goes, and each coordinate is rounded away from the surface (Pharr,
-//! Jakob, Humphreys, *Physically Based Rendering*, 4th ed., 6.8.6). There is no absolute length in it: a scene scaled by a
-//! power of two gives the same bits.
+//! A point of a triangle is known up to a box of half width `error`. It is taken inward from the triangle's sides, so that
+//! it is not beyond a wall that meets the triangle there ([`Triangle::point`](crate::geometry::triangle::Triangle::point)).
+//! Then it is moved along the face normal until it is outside of that box, to the side where the ray goes, and each
+//! coordinate is rounded away from the surface (Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed., 6.8.6).
+//! There is no absolute length in it: a scene scaled by a power of two gives the same bits.
 
 use jerboa_ir::lang::{F32, Row};
 
@@ -32,7 +33,7 @@ pub fn offset_point(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> 
 
 /// Where a ray that leaves the surface in this direction (world, any length) starts.
 pub fn offset_origin(surf: SurfaceElement, direction: Vec3) -> Vec3 {
-    offset_point(surf.point, surf.error, surf.face_normal, direction)
+    offset_point(surf.start, surf.error, surf.face_normal, direction)
 }
 
 /// What becomes of a value if the render asks for a ray offset.

@@ -17,8 +17,8 @@ pub const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
 const HIT_ERROR: f32 = 1.0 / 2_097_152.0;
 /// See [`HIT_ERROR`].
 const MOST_THIN: f32 = 8.0;
-/// How far a point is taken inward from the sides, in barycentric weights: 2^-19, 32 of the triangle's own roundings. On a
-/// side shared with another wall the point would lie beyond that wall as often as not, and see what is behind it.
+/// How far from the sides rays start, in barycentric weights: 2^-19, 32 of the triangle's own roundings. On a side shared
+/// with another wall a rounded point lies beyond that wall as often as not, and would see what is behind it.
 const INWARD: f32 = 1.0 / 524_288.0;
 /// Below this length a sum of unit vectors is rounding noise: 2^-20, against errors of 2^-23.
 const NOISE: f32 = 1.0 / 1_048_576.0;
@@ -60,21 +60,20 @@ impl Triangle {
     }
 
     /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| for the point itself (pbrt, 4th ed.,
-    /// 6.8.5), and `HIT_ERROR` of the longest edge for how well a ray that starts there can tell where this plane is.
-    ///
-    /// The point is that of the weights, moved towards the centroid until it is inside of all three sides whatever was
-    /// rounded: by `INWARD` of the triangle and half the first of both bounds, which is seldom reached.
-    pub fn point(self) -> (Vec3, Vec3) {
+    /// 6.8.5), and `HIT_ERROR` of the longest edge for how well a ray that starts there can tell where this plane is. Then
+    /// where rays leave it: the point, moved towards the centroid until it is inside of all three sides whatever was
+    /// rounded, by `INWARD` of the triangle and half of γ7 Σ |w p|, which is seldom reached.
+    pub fn point(self) -> (Vec3, Vec3, Vec3) {
         let at = self.positions();
+        let point = self.blend(at);
         let [p, q, r] = std::array::from_fn(|i| (at[i] * self.weights[i]).abs());
         let error = (p + q + r).map(|e| e * GAMMA_7);
         let size = (at[1] - at[0]).abs().zip((at[2] - at[0]).abs(), F32::max).max_element();
-        let inward = (error.max_element() / size * 0.5 + INWARD).min(1.0 / 3.0);
-        let point = self.blend(at);
-        let to_corners = (at[0] - point) + (at[1] - point) + (at[2] - point);
         let [e1, e2] = self.edges();
         let thin = (1.0 / e1.cross(e2).abs().max_element()).min(MOST_THIN);
-        (point + to_corners * inward, error.map(|e| e + size * thin * HIT_ERROR))
+        let inward = (error.max_element() / size * 0.5 + INWARD).min(1.0 / 3.0);
+        let to_corners = (at[0] - point) + (at[1] - point) + (at[2] - point);
+        (point, error.map(|e| e + size * thin * HIT_ERROR), point + to_corners * inward)
     }
 
     /// The edges from the first corner, each divided by one length, so that products neither overflow nor vanish.

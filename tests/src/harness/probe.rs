@@ -80,6 +80,7 @@ pub fn surface(face_normal: Vec3, normal: Vec3) -> SurfaceElement {
         uv: [Vec2 { x: zero(), y: zero() }; 2],
         primitive: 0.into(),
         light: NONE.into(),
+        start: nowhere,
     }
 }
 
