@@ -32,7 +32,7 @@ use super::stats::mean;
 mod direct;
 mod enclosures;
 
-pub use direct::{direct, sky_irradiance};
+pub use direct::{ALBEDO, direct, form_factor, maps, sky_irradiance};
 pub use enclosures::{enclosures, glowing_box};
 
 /// Seed of the first render of each scene.
@@ -52,6 +52,8 @@ pub struct Closed {
     pub facets: f64,
     /// Most edges of a path.
     pub max_depth: Option<u32>,
+    /// Is it so close to a light with extent that light sampling alone has no usable variance?
+    pub is_near: bool,
     /// How many times the usual number of paths it takes: where a sample's variance is large.
     pub effort: usize,
 }

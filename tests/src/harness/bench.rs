@@ -6,6 +6,7 @@ use jerboa_backend_cranelift::{self as cranelift, Binding, Code, Status};
 use jerboa_ir::interp::{Interp, Limits, Memory, Observer};
 use jerboa_ir::lang::{self, Buf, Col};
 use jerboa_ir::{BufId, BufKind, ContId, Lit, Program};
+use jerboa_lib_render::host::tables::Tables;
 use jerboa_lib_render::schema::declare_all;
 use jerboa_peval::{self as peval, Arg, Facts, Generic};
 
@@ -96,6 +97,12 @@ impl Bench {
         let memory = &mut self.memory[at];
         let place = self.generic.program().buffer(BufId(at as u32)).word(memory.rows as usize, row, column.0 as usize);
         memory.words[place] = word.word();
+    }
+
+    /// Put the tables of a scene in place of all. They must be laid out with nothing known.
+    pub fn load(&mut self, tables: &Tables) {
+        assert_eq!(self.memory.len(), tables.memory.len(), "both hold every buffer of the schema, in its order");
+        self.memory.clone_from(&tables.memory);
     }
 
     /// Run a kernel; words in, words out.

@@ -4,6 +4,7 @@
 //! - [`bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
 //!   interpreted.
 //! - [`sweep`]: kernels that loop, for millions of questions to one function.
+//! - [`lights`]: lights of a whole scene, asked for choices, samples and densities; and the table of them.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
@@ -12,12 +13,14 @@
 //! - [`metamorphic`]: changes of scenes that keep the image, or scale it.
 //! - [`rays`]: closed shapes, ways to aim at them, trees; and [`naive`], what they are measured against.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
+//! - [`warps`]: the table of warps of uniform numbers.
 
 pub mod analytic;
 pub mod bench;
 pub mod hostile;
 pub mod metamorphic;
 pub mod naive;
+pub mod lights;
 pub mod probe;
 pub mod chi2;
 pub mod quadrature;
@@ -25,3 +28,4 @@ pub mod rays;
 pub mod stats;
 pub mod streams;
 pub mod sweep;
+pub mod warps;

@@ -1,319 +1,331 @@
-//! Lights against closed forms, and their densities against themselves.
+//! Lights and the choice among them: T5, T26 and T27 by light sampling alone, hard cases, N11.
+//!
+//! The rows are those of `harness::lights` (lights with extent) and of `harness::analytic` (closed forms). The long form:
+//!
+//! ```text
+//! JERBOA_SAMPLES=1000000 cargo test --release -p jerboa-tests --test components lights -- --nocapture
+//! ```
 
-use jerboa_ir::lang::{F32, Fun, Row, entry};
-use jerboa_lib_render::core::rng::Rng;
-use jerboa_lib_render::core::vec::Vec3;
-use jerboa_lib_render::host::distribution::{Distribution1D, Distribution2D};
-use jerboa_lib_render::host::image_io::Image;
-use jerboa_lib_render::light::area::{make_quad_light, make_triangle_light};
-use jerboa_lib_render::light::environment::{environment_pdf, environment_radiance, make_environment_light};
-use jerboa_lib_render::light::{sample_light, spot::make_spot_light};
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use glam::{DAffine3, DVec3};
+use jerboa_ir::lang::{F32, Fun, entry};
 use jerboa_lib_render::mis::power_heuristic;
-use jerboa_lib_render::schema::*;
+use jerboa_lib_render::schema::{LightChoice, Lights, binding};
+use jerboa_scenes::{Environment, Light, LightKind, Material, Scene};
+use jerboa_tests::harness::analytic::{ALBEDO, Estimate, bound, direct, light, place, rectangle, sphere};
+use jerboa_tests::harness::bench::{Bench, Random, number};
+use jerboa_tests::harness::chi2;
+use jerboa_tests::harness::lights::{Drawn, LightProbe, lights};
+use jerboa_tests::harness::probe::V;
+use jerboa_tests::harness::stats::{FAMILY, mean, sidak};
 
-use jerboa_tests::harness::bench::{Bench, Random, stream};
-
-/// Kernels: a sample of the lights from a point; rays that leave light 0; the environment.
-fn bench(lights: usize) -> Bench {
-    let mut bench = Bench::new(|| {
-        entry("sample", Fun::lam(|b, (rng, point): (Rng, Vec3)| sample_light(b, rng, point)));
-        entry("environment", Fun::lam(|_, dir: Vec3| (environment_radiance(dir), environment_pdf(dir))));
-        entry("mis", Fun::lam(|_, (own, other): (F32, F32)| power_heuristic(own, other)));
-        let row = Row::<Lights>::at(0u32);
-        let emission = |name, light: jerboa_lib_render::light::Light| entry(name, light.sample_emission);
-        emission("emit_triangle", make_triangle_light(row));
-        emission("emit_quad", make_quad_light(row));
-        emission("emit_spot", make_spot_light(row));
-        emission("emit_environment", make_environment_light(row));
-    });
-    bench.rows::<Lights>(lights);
-    let shares = Distribution1D::new(&(1..=lights).map(|i| i as f64).collect::<Vec<_>>());
-    bench.rows::<LightChoice>(lights + 1);
-    for (row, p) in shares.cdf.iter().enumerate() {
-        bench.set(LightChoice::CDF, row, *p);
-    }
-    for row in 0..lights {
-        bench.set(Lights::PROBABILITY, row, shares.probability(row));
-        bench.set(Lights::PRIMITIVE, row, NONE);
-        bench.set(Lights::PRIMITIVE1, row, NONE);
-        for column in [Lights::R, Lights::G, Lights::B] {
-            bench.set(column, row, 1.0_f32);
-        }
-    }
-    bench.set(Settings::LIGHT_COUNT, 0, lights as u32);
-    bench
+/// Samples of a light.
+fn samples(quick: usize) -> usize {
+    number("JERBOA_SAMPLES", quick)
 }
 
-/// Light `row` is a triangle or a parallelogram.
-pub fn set_area(bench: &mut Bench, row: usize, kind: u32, corner: [f32; 3], e1: [f32; 3], e2: [f32; 3], area: f32) {
-    bench.set(Lights::KIND, row, kind);
-    bench.set(Lights::AREA, row, area);
-    let columns = [
-        Lights::P_X,
-        Lights::P_Y,
-        Lights::P_Z,
-        Lights::E1_X,
-        Lights::E1_Y,
-        Lights::E1_Z,
-        Lights::E2_X,
-        Lights::E2_Y,
-        Lights::E2_Z,
+/// So many samples by the keys of a row; the first few by the interpreter too.
+fn draw(probe: &mut LightProbe, row: usize, point: V, n: usize) -> Vec<Drawn> {
+    (0..n as u32).map(|i| probe.sample((row as u32) << 24 | i, point, i < 10)).collect()
+}
+
+/// T5. What is drawn and not blocked follows the density that a ray into its direction is told of.
+#[test]
+fn lights_are_drawn_by_their_density() {
+    let mut probe = LightProbe::default();
+    let (table, n) = (lights(), samples(4_000));
+    println!("{n} samples, keys from row << 24 on");
+    let level = sidak(FAMILY, table.len());
+    let mut faults = Vec::new();
+    for (i, row) in table.iter().enumerate() {
+        probe.load(&row.scene);
+        let found = |s: Drawn| (s.pdf > 0.0 && !s.is_delta && !s.is_blocked).then_some(s.wi);
+        // Where there is no chart every edge of a light costs thousands of rays.
+        let few = if row.chart.is_some() { n } else { n.min(500) };
+        let directions: Vec<Option<V>> = draw(&mut probe, i, row.point, few).into_iter().map(found).collect();
+        let pdf = |dir| f64::from(probe.see(row.point, dir).pdf);
+        let report = match &row.chart {
+            Some(chart) => chart.test(row.point, &directions, pdf),
+            None => chi2::sphere(&directions, pdf),
+        };
+        println!("{}: ∫ {:.6}, lost {:.4}, p {:.3}", row.name, report.integral, report.lost, report.p);
+        faults.extend(report.fault(level).map(|f| format!("{}: {f}", row.name)));
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// T26. Radiance, distance and density of a sample are those of the ray into its direction; the cosine of a light seen edge-on
+/// is known to a rounding of 1.
+#[test]
+fn a_sample_is_what_a_ray_sees() {
+    let mut probe = LightProbe::default();
+    for (i, row) in lights().iter().enumerate() {
+        probe.load(&row.scene);
+        let (mut compared, mut apart) = (0, 0);
+        // Between two texels a rounding of the direction is worth a share of the brighter one.
+        let texels = row.scene.environment.iter().flat_map(|e| e.radiance.iter().flatten());
+        let brightest = row.scene.materials.iter().flat_map(|m| &m.emissive).chain(texels).fold(0.0, |a, b| b.max(a));
+        for s in draw(&mut probe, i, row.point, samples(1_000)) {
+            let valid = |x: f32| x >= 0.0 && x.is_finite();
+            assert!(valid(s.pdf) && valid(s.radiance) && (s.pdf > 0.0 || s.radiance == 0.0), "{}: {s:?}", row.name);
+            if s.pdf > 0.0 && !s.is_delta && !s.is_blocked {
+                let seen = probe.see(row.point, s.wi);
+                let near = |a: f32, b: f32| a == b || (a / b - 1.0).abs() <= 1e-5 + 1e-6 / seen.cos;
+                let same = near(s.distance, seen.distance) && near(s.pdf, seen.pdf);
+                compared += 1;
+                // The direction of a point at the rim of a cell, a texel or a lamp may round to the other side.
+                apart += u32::from(!(same && (s.radiance - seen.radiance).abs() <= 1e-5 * brightest));
+            }
+        }
+        println!("{}: {compared} compared, {apart} apart", row.name);
+        assert!(f64::from(apart) <= 1e-3 * f64::from(compared), "{}: {apart} of {compared} apart", row.name);
+    }
+}
+
+/// T27 by light sampling alone, with twice the bound, since it has more variance; `analytic.rs` has it with both kinds of sampling, and by BSDF sampling alone.
+#[test]
+fn light_sampling_alone_has_the_closed_form() {
+    let mut probe = LightProbe::default();
+    let n = samples(2_000);
+    println!("{n} samples, keys from row << 24 on");
+    let mut faults = Vec::new();
+    for (i, closed) in direct().iter().enumerate().filter(|(_, c)| !c.is_near) {
+        let mut scene = closed.scene.clone();
+        // The floor: it faces away from itself, and its rounding would stand in the way.
+        scene.instances.remove(0);
+        probe.load(&scene);
+        for (look, truth) in closed.looks.iter().filter(|(look, _)| look.window.area() == 1) {
+            let point = look.on_floor(0.5, 0.5).as_vec3().to_array();
+            let reflected = |s: Drawn| {
+                let arrives = s.pdf > 0.0 && !s.is_blocked && s.wi[1] > 0.0;
+                let [cos, radiance, pdf] = [s.wi[1], s.radiance, s.pdf].map(f64::from);
+                if arrives { f64::from(ALBEDO) * FRAC_1_PI * cos * radiance / pdf } else { 0.0 }
+            };
+            let drawn = draw(&mut probe, i, [point[0], 0.0, point[2]], n * closed.effort);
+            let found = Estimate::of(&drawn.into_iter().map(reflected).collect::<Vec<_>>());
+            println!("{}: {:.6e} ± {:.1e}, truth {truth:.6e}", closed.name, found.mean, found.error);
+            faults.extend(found.fault(*truth, closed.facets, bound(4e-3, n)).map(|f| format!("{}: {f}", closed.name)));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// Many lights of every kind, some without power: those that may be drawn, and the scene.
+fn many(count: usize, sky: bool, power: impl Fn(usize) -> f32) -> Scene {
+    let mut scene = Scene::default();
+    let at = |i: usize| DVec3::new((i % 32) as f64, 1.0 + (i % 3) as f64, (i / 32) as f64);
+    for i in 0..count - usize::from(sky) {
+        let kind = [LightKind::Point, LightKind::Spot { inner: 0.1, outer: 0.5 }, LightKind::Directional][i % 3];
+        if i % 5 < 3 {
+            let to_world = DAffine3::from_translation(at(i)) * light(kind, 1.0, 0.0).to_world;
+            scene.lights.push(Light { to_world, ..light(kind, power(i), 0.0) });
+        } else {
+            let lamp = rectangle(glam::Vec3::ZERO, glam::Vec3::X * 0.1, glam::Vec3::Z * 0.1);
+            let material = Material { double_sided: i % 2 == 0, ..Material::emitter("lamp", [power(i); 3]) };
+            place(&mut scene, lamp, material, 1.0, at(i));
+        }
+    }
+    // And some that give nothing.
+    scene.lights.insert(0, light(LightKind::Point, 0.0, 1.0));
+    scene.lights.push(light(LightKind::Directional, 0.0, 1.0));
+    place(&mut scene, sphere(0), Material::diffuse("dark", [0.5; 3]), 0.1, DVec3::Y * 9.0);
+    if sky {
+        let radiance = vec![[1.0; 3]; 8];
+        scene.environment = Some(Environment { width: 4, height: 2, radiance, intensity: 1.0, rotation_deg: 0.0 });
+    }
+    scene
+}
+
+/// T26. The choice inverts an ascending table, so its two ends say everything about a light: it is drawn by the numbers from
+/// the one to the other, which are exactly the share of all 2^24 numbers that its row and the weights are told.
+#[test]
+fn lights_are_chosen_with_the_probability_that_is_told() {
+    let mut probe = LightProbe::default();
+    let spread = |i: usize| (0.3 * ((i * 7919 % 101) as f32 / 10.0 - 5.0)).exp();
+    let scenes = [
+        ("1", many(1, false, |_| 1.0), 1),
+        ("1, the sky", many(1, true, |_| 1.0), 1),
+        ("33", many(33, true, spread), 33),
+        ("1000", many(1000, false, spread), 1000),
+        ("1000 of all magnitudes", many(1000, false, |i| 10_f32.powi((i % 61) as i32 - 30)), 1000),
     ];
-    for (column, value) in columns.into_iter().zip([corner, e1, e2].concat()) {
-        bench.set(column, row, value);
-    }
-}
-
-/// A sample, read back.
-struct Sample {
-    wi: [f64; 3],
-    pos: [f32; 3],
-    distance: f32,
-    intensity: f64,
-    pdf: f64,
-}
-
-fn sample(bench: &mut Bench, key: u32, point: [f32; 3], both: bool) -> Sample {
-    let p = point.map(f32::to_bits);
-    let args = [stream(key), p].concat();
-    let out = if both { bench.run_both("sample", &args) } else { bench.run("sample", &args) };
-    let f = |i: usize| f32::from_bits(out[i]);
-    Sample {
-        wi: [0, 1, 2].map(|i| f64::from(f(i))),
-        pos: [f(3), f(4), f(5)],
-        distance: f(6),
-        intensity: f64::from(f(7)),
-        pdf: f64::from(f(10)),
-    }
-}
-
-/// Mean and standard error.
-fn mean(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (n, sum, squares) = values.fold((0.0, 0.0, 0.0), |(n, s, q), x| (n + 1.0, s + x, q + x * x));
-    let mean = sum / n;
-    (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
-}
-
-#[test]
-fn a_quad_light_over_a_point_has_its_closed_form() {
-    let mut random = Random::new(0x5eed_0006);
-    let mut bench = bench(1);
-    for (height, expected) in [(2.0_f32, 0.036738817), (1.0, 0.119728235), (0.5, 0.277063212)] {
-        for kind in [LIGHT_QUAD, LIGHT_TRIANGLE] {
-            // The light looks down; as a triangle only the half, which by symmetry gives half.
-            set_area(
-                &mut bench,
-                0,
-                kind,
-                [-0.5, -0.5, height],
-                [0.0, 1.0, 0.0],
-                [1.0, 0.0, 0.0],
-                if kind == LIGHT_QUAD { 1.0 } else { 0.5 },
-            );
-            let radiance = (0..40_000).map(|i| {
-                let s = sample(&mut bench, random.bits() as u32, [0.0; 3], i < 50);
-                assert!(s.wi[2] > 0.0 && s.pos[2] < height, "towards it, and a shadow ray ends in front of it");
-                0.5 / std::f64::consts::PI * s.intensity * s.wi[2] / s.pdf
-            });
-            let (mean, error) = mean(radiance);
-            let expected = if kind == LIGHT_QUAD { expected } else { expected / 2.0 };
-            assert!(
-                (mean - expected).abs() < (4.0 * error).max(1e-5) && error < 0.005 * expected,
-                "{mean} ± {error}, not {expected}"
-            );
+    for (name, scene, count) in scenes {
+        let tables = probe.load(&scene);
+        let cdf = tables.memory[binding::<LightChoice>()].words.iter().map(|w| f32::from_bits(*w)).collect::<Vec<_>>();
+        assert_eq!((cdf.len(), cdf[0], cdf[count]), (count + 1, 0.0, 1.0), "{name}: lights without power are none");
+        assert_eq!(tables.memory[binding::<Lights>()].rows as usize, count);
+        const STEP: f32 = 1.0 / 16_777_216.0;
+        for i in 0..count {
+            assert!(cdf[i] < cdf[i + 1] && (cdf[i] / STEP).fract() == 0.0, "{name}, light {i}: it is drawn");
+            // The difference of multiples of 2^-24 is exact.
+            let share = cdf[i + 1] - cdf[i];
+            assert_eq!([probe.choose(cdf[i]), probe.choose(cdf[i + 1] - STEP)], [(i, share); 2], "{name}, light {i}");
         }
     }
-    let behind = sample(&mut bench, 1, [0.0, 0.0, 5.0], true);
-    assert_eq!((behind.intensity, behind.pdf), (0.0, 0.0), "nothing behind it");
-    bench.set(Lights::DOUBLE_SIDED, 0, true);
-    assert!(sample(&mut bench, 1, [0.0, 0.0, 5.0], true).intensity > 0.0, "but for two sides");
+}
+
+/// T26, as drawn: a light of probability p counts 1 / p, and the mean is the number of lights. A sample states p, alone for
+/// a light without extent.
+#[test]
+fn one_over_the_probability_counts_the_lights() {
+    let mut probe = LightProbe::default();
+    let n = samples(20_000);
+    println!("{n} samples, keys 0 to {n}");
+    for count in [1, 33, 1000] {
+        // Powers from 1 to 4.
+        let lights = (0..count).map(|i| light(LightKind::Point, 1.0 + (i % 4) as f32, i as f64 / 100.0));
+        probe.load(&Scene { lights: lights.collect(), ..Scene::default() });
+        let inverse = |key| 1.0 / (f64::from(probe.sample(key, [1.0, 0.0, 0.0], key < 10).pdf) * count as f64);
+        let (mean, error) = mean((0..n as u32).map(inverse));
+        println!("{count} lights: {mean} ± {error}");
+        let off = (mean - 1.0).abs();
+        assert!(off <= 4.0 * error + 1e-6 && off <= 0.01 && 4.0 * error <= 0.03, "{count}: {mean} ± {error}");
+    }
 }
 
 #[test]
-fn lights_are_chosen_by_their_share() {
-    let mut random = Random::new(0x5eed_0007);
-    let mut bench = bench(7);
-    for row in 0..7 {
-        bench.set(Lights::KIND, row, LIGHT_POINT);
-        bench.set(Lights::P_X, row, row as f32 + 1.0);
+fn lights_without_extent_follow_the_extension() {
+    let mut probe = LightProbe::default();
+    let mut with = |kind, point: V| {
+        probe.load(&Scene { lights: vec![light(kind, 1.0, 0.0)], ..Scene::default() });
+        probe.sample(3, point, true)
+    };
+    for distance in [1e-6_f32, 1e-3, 1.0, 1e15] {
+        let s = with(LightKind::Point, [distance, 0.0, 0.0]);
+        let expected = f64::from(distance).powi(-2);
+        assert!((f64::from(s.radiance) / expected - 1.0).abs() < 1e-6 && s.pdf == 1.0 && s.is_delta, "{s:?}");
+        assert_eq!((s.wi, s.distance), ([-1.0, 0.0, 0.0], distance));
     }
-    let n = 40_000;
-    let mut counts = [0.0; 7];
-    let mut inverse = 0.0;
-    for i in 0..n {
-        let s = sample(&mut bench, random.bits() as u32, [0.0; 3], i < 50);
-        let light = s.distance as usize - 1;
-        assert!((s.pdf - (light + 1) as f64 / 28.0).abs() < 1e-6);
-        assert!((s.intensity * f64::from(s.distance).powi(2) - 1.0).abs() < 1e-6);
-        counts[light] += 1.0 / f64::from(n);
-        inverse += 1.0 / s.pdf / f64::from(n);
-    }
-    for (light, share) in counts.into_iter().enumerate() {
-        assert!((share - (light + 1) as f64 / 28.0).abs() < 0.01, "light {light}: {share}");
-    }
-    assert!((inverse - 7.0).abs() < 0.2, "the sum of p / p is the number of lights: {inverse}");
-}
-
-#[test]
-fn point_spot_and_directional_light_follow_the_extension() {
-    let mut bench = bench(1);
-    bench.set(Lights::KIND, 0, LIGHT_POINT);
-    let near = sample(&mut bench, 3, [1e-6, 0.0, 0.0], true);
-    assert!((near.intensity / 1e12 - 1.0).abs() < 1e-5, "1 cd at 1e-6 m");
-    let at = sample(&mut bench, 3, [0.0; 3], true);
-    assert_eq!(at.pdf, 0.0, "no direction from the light itself");
-
-    bench.set(Lights::KIND, 0, LIGHT_SPOT);
-    for (column, value) in [(Lights::E1_Z, -1.0), (Lights::COS_OUTER, 0.5_f32), (Lights::COS_INNER, 0.9)] {
-        bench.set(column, 0, value);
-    }
+    assert_eq!(with(LightKind::Point, [0.0; 3]).pdf, 0.0, "no direction from the light itself");
+    let spot = LightKind::Spot { inner: 0.9_f32.acos(), outer: 0.5_f32.acos() };
     for (cos, expected) in [(1.0_f32, 1.0), (0.9, 1.0), (0.7, 0.25), (0.5, 0.0), (0.3, 0.0), (-0.5, 0.0)] {
-        let s = sample(&mut bench, 3, [2.0 * (1.0 - cos * cos).sqrt(), 0.0, -2.0 * cos], true);
-        assert!((s.intensity * 4.0 - expected).abs() < 2e-6, "cos {cos}: {}", s.intensity);
+        let s = with(spot, [2.0 * (1.0 - cos * cos).sqrt(), -2.0 * cos, 0.0]);
+        assert!((s.radiance * 4.0 - expected).abs() < 2e-6, "cos {cos}: {}", s.radiance);
     }
-
-    bench.set(Lights::KIND, 0, LIGHT_DIRECTIONAL);
-    let s = sample(&mut bench, 3, [9.0, 8.0, 7.0], true);
-    assert_eq!((s.wi, s.distance, s.intensity), ([0.0, 0.0, 1.0], f32::INFINITY, 1.0));
+    let s = with(LightKind::Directional, [9.0, 8.0, 7.0]);
+    assert!((s.wi[1] - 1.0).abs() < 1e-7 && (s.distance, s.radiance) == (f32::INFINITY, 1.0), "{s:?}");
 }
 
-/// Put a map on the bench, as light 0.
-fn set_environment(bench: &mut Bench, map: &Image) {
-    let distribution = Distribution2D::environment(map);
-    bench.set(Lights::KIND, 0, LIGHT_ENVIRONMENT);
-    bench.set(Environment::WIDTH, 0, map.width);
-    bench.set(Environment::HEIGHT, 0, map.height);
-    bench.set(Environment::INTENSITY, 0, 2.0_f32);
-    // A right angle about +Y.
-    bench.set(Environment::ROTATION_SIN, 0, 1.0_f32);
-    bench.rows::<EnvironmentTexels>(map.pixels.len());
-    for (row, pixel) in map.pixels.iter().enumerate() {
-        for (column, value) in [EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B].into_iter().zip(pixel)
-        {
-            bench.set(column, row, *value);
+/// A lamp is not hidden by itself: neither where its halves meet, nor a needle whose every point is near the seam, nor from
+/// a grazing angle; and from its own plane there is nothing to draw.
+#[test]
+fn a_lamp_does_not_hide_itself() {
+    let mut probe = LightProbe::default();
+    let (x, z) = (glam::Vec3::X, glam::Vec3::Z);
+    for width in [1.0, 1e-3, 1e-6] {
+        for (point, lit) in [
+            ([0.3, 0.0, 0.2], true),
+            ([0.0, 0.999_999, 0.0], true),
+            ([1e3, 0.9, 0.0], true),
+            ([2.0, 1.0, 0.3], false),
+            ([0.1, 1.0, 0.0], false),
+            ([0.3, 2.0, 0.2], false),
+        ] {
+            let mut scene = Scene::default();
+            let lamp = rectangle(glam::vec3(-0.5, 1.0, -0.5 * width), x, z * width);
+            place(&mut scene, lamp, Material::emitter("lamp", [1.0; 3]), 1.0, DVec3::ZERO);
+            probe.load(&scene);
+            for s in draw(&mut probe, 0, point, samples(1_000)) {
+                assert_eq!(s.pdf > 0.0 && s.pdf.is_finite(), lit, "width {width}, from {point:?}: {s:?}");
+                assert!(!lit || !s.is_blocked, "width {width}, from {point:?}: {s:?}");
+                assert!(lit || s.radiance == 0.0, "width {width}, from {point:?}: {s:?}");
+            }
         }
     }
-    bench.rows::<EnvironmentColumns>(distribution.columns.len());
-    for (row, p) in distribution.columns.iter().enumerate() {
-        bench.set(EnvironmentColumns::CDF, row, *p);
-    }
-    bench.rows::<EnvironmentRows>(distribution.rows.cdf.len());
-    for (row, p) in distribution.rows.cdf.iter().enumerate() {
-        bench.set(EnvironmentRows::CDF, row, *p);
-    }
 }
 
-fn environment(bench: &mut Bench, dir: [f64; 3], both: bool) -> (f64, f64) {
-    let args = dir.map(|x| (x as f32).to_bits());
-    let out = if both { bench.run_both("environment", &args) } else { bench.run("environment", &args) };
-    (f64::from(f32::from_bits(out[0])), f64::from(f32::from_bits(out[3])))
-}
-
-#[test]
-fn the_environment_is_drawn_by_its_density() {
-    let mut random = Random::new(0x5eed_0008);
-    let mut bench = bench(1);
-    let constant = Image::from_fn(8, 4, |_, _| [1.0; 3]);
-    let one_hot = Image::from_fn(16, 8, |x, y| [if (x, y) == (0, 2) { 100.0 } else { 0.0 }; 3]);
-    let pole = Image::from_fn(5, 3, |_, y| [if y == 0 { 1.0 } else { 0.25 }; 3]);
-    let single = Image::from_fn(1, 1, |_, _| [3.0; 3]);
-    for (name, map) in [("constant", constant), ("one hot", one_hot), ("pole", pole), ("single", single)] {
-        set_environment(&mut bench, &map);
-        // Flux by light sampling against flux by uniform directions; the latter also integrate the density.
-        let n = 60_000;
-        let mut same = 0;
-        let by_light = mean((0..n).map(|i| {
-            let s = sample(&mut bench, random.bits() as u32, [0.0; 3], i < 50);
-            let (radiance, pdf) = environment(&mut bench, s.wi, false);
-            assert!(s.pdf > 0.0 && s.pdf.is_finite() && s.intensity.is_finite(), "{name}");
-            assert!(
-                (radiance - s.intensity).abs() <= 2e-4 * (1.0 + s.intensity),
-                "{name}: {radiance} is {}",
-                s.intensity
-            );
-            // At the edge of a cell rounding may see the neighbour.
-            same += u32::from((pdf / s.pdf - 1.0).abs() < 1e-3);
-            s.intensity / s.pdf
-        }));
-        assert!(same > n - n / 1000, "{name}: two densities of a direction");
-        let uniform: Vec<(f64, f64)> = (0..n)
-            .map(|i| {
-                let (z, turn) = (2.0 * random.uniform() - 1.0, random.uniform() * std::f64::consts::TAU);
-                let r = (1.0_f64 - z * z).sqrt();
-                let (radiance, pdf) = environment(&mut bench, [r * turn.cos(), z, r * turn.sin()], i < 50);
-                assert!(radiance == 0.0 || pdf > 0.0, "{name}: light where there is no density");
-                (radiance, pdf)
-            })
-            .collect();
-        let sphere = 4.0 * std::f64::consts::PI;
-        let flux = mean(uniform.iter().map(|x| x.0 * sphere));
-        let whole = mean(uniform.iter().map(|x| x.1 * sphere));
-        let close = |a: (f64, f64), b: f64, e: f64| (a.0 - b).abs() <= 4.0 * a.1.hypot(e) + 1e-4 * b;
-        assert!(close(by_light, flux.0, flux.1), "{name}: flux {by_light:?} by light, {flux:?} by direction");
-        assert!(close(whole, 1.0, 0.0), "{name}: the density integrates to {whole:?}");
-    }
-    set_environment(&mut bench, &Image::from_fn(4, 2, |_, _| [1.0; 3]));
-    for up in [1.0, -1.0] {
-        let (radiance, pdf) = environment(&mut bench, [0.0, up, 0.0], true);
-        assert!(radiance == 2.0 && pdf > 0.0 && !pdf.is_nan(), "at a pole");
-    }
-}
-
+/// Unturned, u = 1/2 + atan2(x, −z)/2π. By 90 degrees about +Y, what is seen towards d is the map at (−z, x).
 #[test]
 fn the_environment_is_turned_about_y() {
-    let mut bench = bench(1);
-    // Texel columns: 0 is where u is 1/8: seen against +x turned by −90° … the brightest is the last.
-    set_environment(&mut bench, &Image::from_fn(4, 1, |x, _| [x as f32; 3]));
-    // Unturned: u = 1/2 + atan2(x, −z)/2π. By 90° about +Y: what is seen towards d is the map at (−z, x).
+    let mut probe = LightProbe::default();
+    let radiance = (0..4).map(|x| [x as f32; 3]).collect();
+    let map = Environment { width: 4, height: 1, radiance, intensity: 2.0, rotation_deg: 90.0 };
+    probe.load(&Scene { environment: Some(map), ..Scene::default() });
     for (dir, u) in [([0.0, 0.0, -1.0], 0.75), ([1.0, 0.0, 0.0], 0.0), ([0.0, 0.0, 1.0], 0.25), ([-1.0, 0.0, 0.0], 0.5)]
     {
         let x: f64 = u * 4.0 - 0.5;
         let at = |i: f64| i.rem_euclid(4.0);
-        let expected = 2.0 * (at(x.floor()) + at(x.floor() + 1.0)) / 2.0;
-        let (radiance, _) = environment(&mut bench, dir, true);
-        assert!((radiance - expected).abs() < 1e-5, "{dir:?}: {radiance}, not {expected}");
+        let expected = at(x.floor()) + at(x.floor() + 1.0);
+        let seen = probe.see([0.0; 3], dir);
+        assert!((f64::from(seen.radiance) - expected).abs() < 1e-5, "{dir:?}: {seen:?}, not {expected}");
     }
 }
 
-/// Flux of light 0 by the rays that leave it: mean of intensity · cos / density, and its standard error.
-fn flux(bench: &mut Bench, random: &mut Random, entry: &str) -> (f64, f64) {
-    mean((0..20_000).map(|i| {
-        let args = stream(random.bits() as u32);
-        let out = if i < 50 { bench.run_both(entry, &args) } else { bench.run(entry, &args) };
-        let f = |i: usize| f64::from(f32::from_bits(out[i]));
-        assert!(((3..6).map(|i| f(i) * f(i)).sum::<f64>() - 1.0).abs() < 1e-5, "a unit direction");
-        f(6) * f(9) / (f(10) * f(11))
-    }))
+/// Wherever a map shines, bilinearly, light sampling may draw; and the poles are no exception.
+#[test]
+fn where_a_sky_shines_there_is_density() {
+    let mut probe = LightProbe::default();
+    let mut random = Random::new(0x5eed_0008);
+    for row in lights().iter().filter(|row| row.scene.environment.is_some()) {
+        probe.load(&row.scene);
+        for i in 0..samples(4_000) {
+            // A third of them close to a pole.
+            let z = 2.0 * random.uniform() - 1.0;
+            let up = if i % 3 == 0 { z.signum() * (1.0 - 1e-4 * z.abs()) } else { z };
+            let (sin, turn) = ((1.0 - up * up).sqrt(), 2.0 * PI * random.uniform());
+            let dir = [sin * turn.cos(), up, sin * turn.sin()].map(|c| c as f32);
+            let seen = probe.see([0.0, -50.0, 0.0], dir);
+            let sky = seen.distance == f32::INFINITY;
+            assert!(!sky || seen.radiance == 0.0 || seen.pdf > 0.0, "{}: {dir:?}, {seen:?}", row.name);
+            assert!(seen.radiance.is_finite() && !seen.pdf.is_nan(), "{}: {dir:?}, {seen:?}", row.name);
+        }
+        for up in [1.0, -1.0] {
+            let seen = probe.see([0.0, -50.0 * up, 0.0], [0.0, up, 0.0]);
+            assert!(seen.radiance.is_finite() && !seen.pdf.is_nan(), "{}: {seen:?}", row.name);
+        }
+    }
 }
 
+/// Rays that leave a light carry its flux.
 #[test]
 fn the_rays_that_leave_a_light_carry_its_flux() {
-    use std::f64::consts::PI;
-    let mut random = Random::new(0x5eed_000f);
-    let mut bench = bench(1);
-    let close = |(flux, error): (f64, f64), expected: f64, what: &str| {
+    let mut probe = LightProbe::default();
+    let n = samples(10_000);
+    println!("{n} samples, keys 0 to {n}");
+    let mut check = |scene: &Scene, expected: f64, what: &str| {
+        probe.load(scene);
+        let fluxes = (0..n as u32).map(|key| {
+            let e = probe.emit(key, 0, key < 20);
+            let length = e.dir.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>();
+            assert!((length - 1.0).abs() < 1e-5, "{what}: a unit direction");
+            e.flux
+        });
+        let (flux, error) = mean(fluxes);
         assert!((flux - expected).abs() <= 4.0 * error + 1e-4 * expected, "{what}: {flux} ± {error}, not {expected}");
     };
-    for (both, sides) in [(false, 1.0), (true, 2.0)] {
-        bench.set(Lights::DOUBLE_SIDED, 0, both);
-        set_area(&mut bench, 0, LIGHT_TRIANGLE, [1.0, 2.0, 3.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], 3.0);
-        close(flux(&mut bench, &mut random, "emit_triangle"), sides * 3.0 * PI, "triangle");
-        set_area(&mut bench, 0, LIGHT_QUAD, [1.0, 2.0, 3.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], 6.0);
-        close(flux(&mut bench, &mut random, "emit_quad"), sides * 6.0 * PI, "quad");
+    for (double_sided, sides) in [(false, 1.0), (true, 2.0)] {
+        let mut scene = Scene::default();
+        let lamp = rectangle(glam::vec3(1.0, 2.0, 3.0), glam::Vec3::Y * 2.0, glam::Vec3::X * 3.0);
+        let material = Material { double_sided, ..Material::emitter("lamp", [1.0; 3]) };
+        place(&mut scene, lamp, material, 1.0, DVec3::ZERO);
+        check(&scene, sides * 6.0 * PI, "quad");
+        scene.meshes[0].triangles.truncate(1);
+        check(&scene, sides * 3.0 * PI, "triangle");
     }
-    set_area(&mut bench, 0, LIGHT_SPOT, [0.0; 3], [0.0, 0.6, 0.8], [0.0; 3], 0.0);
-    bench.set(Lights::COS_OUTER, 0, 0.5_f32);
-    bench.set(Lights::COS_INNER, 0, 0.75_f32);
     // The full intensity above the inner cosine, and the integral of the square of a ramp below.
-    close(flux(&mut bench, &mut random, "emit_spot"), 2.0 * PI * (0.25 + 0.25 / 3.0), "spot");
-    set_environment(&mut bench, &Image::from_fn(8, 4, |_, _| [1.0; 3]));
-    bench.set(Lights::SCENE_RADIUS, 0, 3.0_f32);
-    close(flux(&mut bench, &mut random, "emit_environment"), 2.0 * 4.0 * PI * PI * 9.0, "environment");
+    let spot = LightKind::Spot { inner: 0.75_f32.acos(), outer: 0.5_f32.acos() };
+    let of = |kind| Scene { lights: vec![light(kind, 1.0, 0.0)], ..Scene::default() };
+    check(&of(spot), 2.0 * PI * (0.25 + 0.25 / 3.0), "spot");
+    check(&of(LightKind::Point), 4.0 * PI, "point");
+    // From all sides onto the disk of the bounding sphere, whose radius is 3.
+    let mut sky = Scene::default();
+    place(
+        &mut sky,
+        rectangle(glam::vec3(-2.0, -1.0, -2.0), glam::Vec3::X * 4.0, glam::vec3(0.0, 2.0, 4.0)),
+        Material::default(),
+        1.0,
+        DVec3::ZERO,
+    );
+    let uniform = Environment { width: 8, height: 4, radiance: vec![[2.0; 3]; 32], intensity: 1.0, rotation_deg: 0.0 };
+    sky.environment = Some(uniform);
+    check(&sky, 2.0 * 4.0 * PI * PI * 9.0, "environment");
 }
 
+/// N11. Two weights add to 1 for all densities, also where squares overflow or vanish; where no sampler draws, 0.
 #[test]
 fn the_power_heuristic_is_a_weight_for_all_densities() {
-    let mut bench = bench(1);
+    let mut bench = Bench::new(|| entry("mis", Fun::lam(|_, (own, other): (F32, F32)| power_heuristic(own, other))));
     let mut weight = |own: f32, other: f32| f32::from_bits(bench.run_both("mis", &[own, other].map(f32::to_bits))[0]);
     let all = [0.0, 1e-45, 1e-30, 1e-19, 0.5, 1.0, 2.0, 1e20, f32::MAX, f32::INFINITY];
     for (a, b) in all.iter().flat_map(|a| all.map(|b| (*a, b))) {

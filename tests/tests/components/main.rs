@@ -12,3 +12,4 @@ mod residual;
 mod textures;
 mod traverse;
 mod watertight;
+mod warps;

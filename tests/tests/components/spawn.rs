@@ -13,8 +13,8 @@ use jerboa_lib_render::schema::*;
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 
 use crate::geometry::no_shader;
-use crate::lights::set_area;
 use jerboa_tests::harness::bench::{Bench, Random, number, stream};
+use jerboa_tests::harness::lights::set_area;
 use jerboa_tests::harness::rays::{load, ray};
 
 /// Kernels: what a ray meets that leaves a hit in a direction, by the renderer's way to start and by two others; and what

@@ -7,8 +7,8 @@ use jerboa_scenes::{Camera, Environment, LightKind, Material, Mesh, Scene};
 
 use super::{Closed, Look, inradius, light, place, rectangle, sphere};
 
-/// Albedo of the floor.
-const ALBEDO: f32 = 0.5;
+/// Albedo of the floor, which is the first mesh of each scene of [`direct`].
+pub const ALBEDO: f32 = 0.5;
 /// Level of the spheres: 20,480 triangles.
 const ROUND: u32 = 5;
 
@@ -44,7 +44,7 @@ fn floor(side: f32, albedo: f32) -> Scene {
 }
 
 fn closed(name: String, scene: Scene, looks: Vec<(Look, f64)>) -> Closed {
-    Closed { name, scene, looks, facets: 0.0, max_depth: Some(2), effort: 1 }
+    Closed { name, scene, looks, facets: 0.0, max_depth: Some(2), is_near: false, effort: 1 }
 }
 
 /// The origin alone, from the side: a hundredth of the distance across.
@@ -123,7 +123,9 @@ fn lamp(what: &str, [corner, u, v]: [Vec3; 3], apart: bool) -> Closed {
     // From below the lamp, or beside it.
     let height = f64::from(corner.y);
     let eye = if height > 0.0 { DVec3::new(0.0, height / 2.0, height / 2.0) } else { DVec3::new(-0.5, 0.5, 0.5) };
-    closed(format!("lamp {what}"), scene, vec![(origin(eye), truth)])
+    // Where the squared distance varies a hundredfold over the lamp.
+    let is_near = (0.0..0.3).contains(&if height > 0.0 { height } else { f64::from(corner.z.abs()) });
+    Closed { is_near, ..closed(format!("lamp {what}"), scene, vec![(origin(eye), truth)]) }
 }
 
 /// Share of the light that arrives at the origin of the plane y = 0 from a polygon in y ≥ 0 of radiance 1, by its corners
@@ -152,18 +154,30 @@ fn ball((radius, distance, effort): (f64, f64, usize)) -> Closed {
     let truth = f64::from(ALBEDO) * (radius / distance).powi(2);
     let eye = DVec3::new(0.0, 0.05, 1.5) * distance;
     let ball = closed(format!("ball of radius {radius} at {distance}"), scene, vec![(origin(eye), truth)]);
-    Closed { facets, effort, ..ball }
+    Closed { facets, effort, is_near: radius > 0.9 * distance, ..ball }
 }
 
-/// Environment maps: uniform ones, single texels, rows at the pole, and maps of one column or row.
+/// A floor under each of the [`maps`].
 fn skies() -> Vec<Closed> {
+    let sky = |(name, map): (&str, Environment)| {
+        let mut scene = floor(8.0, ALBEDO);
+        let truth = f64::from(ALBEDO) * FRAC_1_PI * sky_irradiance(&map);
+        scene.environment = Some(map);
+        let looks = vec![(origin(DVec3::new(0.0, 1.0, 1.0)), truth)];
+        Closed { effort: 9, ..closed(format!("sky: {name}"), scene, looks) }
+    };
+    maps().into_iter().map(sky).collect()
+}
+
+/// Environment maps: uniform ones, single texels, rows at a pole, and maps of one column or row; turned by 40 degrees.
+pub fn maps() -> Vec<(&'static str, Environment)> {
     let map = |width: u32, height: u32, dark: f32, lit: &[(u32, u32, f32)]| {
         let texel = |x, y| lit.iter().find(|l| (l.0, l.1) == (x, y)).map_or(dark, |l| l.2);
         let radiance = (0..width * height).map(|i| [texel(i % width, i / width); 3]).collect();
         Environment { width, height, radiance, intensity: 1.0, rotation_deg: 40.0 }
     };
     let pole: Vec<_> = (0..5).map(|x| (x, 0, 1.0)).collect();
-    let maps = [
+    vec![
         ("one texel all over", map(1, 1, 1.0, &[])),
         ("a uniform map", map(8, 4, 1.0, &[])),
         ("one texel in the dark", map(16, 8, 0.0, &[(3, 2, 100.0)])),
@@ -172,15 +186,7 @@ fn skies() -> Vec<Closed> {
         ("a row at the pole", map(5, 6, 0.0, &pole)),
         ("one column", map(1, 8, 0.0, &[(0, 1, 3.0)])),
         ("one row", map(8, 1, 0.0, &[(3, 0, 2.0)])),
-    ];
-    let sky = |(name, map): (&str, Environment)| {
-        let mut scene = floor(8.0, ALBEDO);
-        let truth = f64::from(ALBEDO) * FRAC_1_PI * sky_irradiance(&map);
-        scene.environment = Some(map);
-        let looks = vec![(origin(DVec3::new(0.0, 1.0, 1.0)), truth)];
-        Closed { effort: 9, ..closed(format!("sky: {name}"), scene, looks) }
-    };
-    maps.into_iter().map(sky).collect()
+    ]
 }
 
 /// Irradiance of a level plane by the upper half of a map, as it is looked up: bilinear, texel centres at half integers,

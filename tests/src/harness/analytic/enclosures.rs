@@ -63,7 +63,15 @@ fn inside(name: &str, albedo: f32, scene: Scene, facets: f64) -> Closed {
         (DVec3::new(-0.5, 0.5, -0.5), DVec3::new(0.57, -0.57, 0.57), 0.3),
     ];
     let looks = views.map(|(eye, at, yfov)| (Look::whole(Camera::look_at("inside", eye, at, yfov)), 1.0));
-    Closed { name: format!("{name}, albedo {albedo}"), scene, looks: looks.into(), facets, max_depth: None, effort: 1 }
+    Closed {
+        name: format!("{name}, albedo {albedo}"),
+        scene,
+        looks: looks.into(),
+        facets,
+        max_depth: None,
+        is_near: false,
+        effort: 1,
+    }
 }
 
 /// Three cameras that see the body and nothing else.
@@ -78,6 +86,7 @@ fn outside(name: &str, albedo: f32, scene: Scene) -> Closed {
         looks: looks.into(),
         facets: 0.0,
         max_depth: None,
+        is_near: false,
         effort: 1,
     }
 }

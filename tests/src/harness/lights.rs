@@ -1,0 +1,308 @@
+//! The lights of a whole scene, to be asked from outside: the components of the renderer over its tables, with nothing known.
+//!
+//! [`LightProbe::choose`] says which light a number draws, [`LightProbe::sample`] what light sampling gives at a point, and
+//! [`LightProbe::see`] what a ray finds there: the radiance, and the density that the weights of multiple importance
+//! sampling are told. [`lights`] is the table: a row there is drawn against its density (T5), and compared between
+//! sampling and seeing (T6, T26).
+//!
+//! ```
+//! use jerboa_tests::harness::lights::{LightProbe, lights};
+//! let mut probe = LightProbe::default();
+//! let row = &lights()[0];
+//! probe.load(&row.scene);
+//! let drawn = probe.sample(1, row.point, true);
+//! let seen = probe.see(row.point, drawn.wi);
+//! assert_eq!(drawn.radiance, seen.radiance);
+//! assert!((drawn.pdf / seen.pdf - 1.0).abs() < 1e-5);
+//! ```
+
+use glam::{DVec3, Vec3};
+use jerboa_ir::lang::{Bool, F32, Fun, Keep, Row, U32, entry};
+use jerboa_lib_render::core::color::{Color, black};
+use jerboa_lib_render::core::rng::Rng;
+use jerboa_lib_render::core::vec;
+use jerboa_lib_render::geometry::offset::spawn_shadow_ray;
+use jerboa_lib_render::geometry::{SurfaceElement, make_geometry};
+use jerboa_lib_render::host::tables::{Choices, Known, Tables};
+use jerboa_lib_render::light::environment::{environment_pdf, environment_radiance};
+use jerboa_lib_render::light::{choose_light, hit_pdf, sample_light, with_light};
+use jerboa_lib_render::ray::Ray;
+use jerboa_lib_render::schema::{Geometries, Lights, NONE, Primitives, Settings};
+use jerboa_lib_render::shader::make_shader;
+use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
+use jerboa_scenes::{Filter, LightKind, Material, Scene, Texture, TextureRef, TextureSource, Wrap};
+
+pub use chart::Chart;
+
+use super::analytic::{light, maps, place, rectangle, sphere};
+use super::bench::{Bench, stream};
+use super::probe::{V, surface};
+
+mod chart;
+
+/// What light sampling gave.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    /// Towards the light, unit.
+    pub wi: V,
+    /// m; infinite for what is infinitely far.
+    pub distance: f32,
+    /// Green; of lights without extent what arrives on a facing plane.
+    pub radiance: f32,
+    /// Per steradian, the choice of the light included.
+    pub pdf: f32,
+    /// No extent?
+    pub is_delta: bool,
+    /// Does the shadow ray hit anything?
+    pub is_blocked: bool,
+}
+
+/// What a ray found.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Green.
+    pub radiance: f32,
+    /// Density with which light sampling finds it, per steradian; 0 where it does not shine, since nobody asks there.
+    pub pdf: f32,
+    /// m; infinite for the environment.
+    pub distance: f32,
+    /// Cosine of the ray with the surface, not negative; 1 for the environment.
+    pub cos: f32,
+}
+
+/// A ray that leaves a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Emitted {
+    /// Unit.
+    pub dir: V,
+    /// What it carries: intensity · cosine / density.
+    pub flux: f64,
+}
+
+/// The lights of a scene.
+pub struct LightProbe {
+    bench: Bench,
+    /// What the tables subtract from positions.
+    origin: DVec3,
+}
+
+/// A ray without end that hits everything.
+fn ray(org: vec::Vec3, dir: vec::Vec3) -> Ray {
+    let none = || NONE.into();
+    Ray { org, dir, tmax: F32::from(f32::INFINITY), skip: none(), skip1: none(), skip2: none() }
+}
+
+impl Default for LightProbe {
+    /// Of no scene yet.
+    fn default() -> LightProbe {
+        let bench = Bench::new(|| {
+            let traverse = make_traverse();
+            let accept = || AcceptFn::lam(|_, _| Bool::from(true));
+            entry(
+                "choose",
+                Fun::lam(|b, u: F32| {
+                    let index = choose_light(b, u);
+                    (index, Row::<Lights>::at(index).get(Lights::PROBABILITY))
+                }),
+            );
+            entry(
+                "sample",
+                Fun::lam(move |b, (rng, point): (Rng, vec::Vec3)| {
+                    let light = sample_light(b, rng, point);
+                    let up = vec::vec3(0.0, 1.0, 0.0);
+                    let shadow =
+                        spawn_shadow_ray(SurfaceElement { point, primitive: NONE.into(), ..surface(up, up) }, light);
+                    (light, traverse.call(b, (shadow, Keep(true.into()), accept())).is_hit())
+                }),
+            );
+            entry(
+                "see",
+                Fun::lam(move |b, (org, dir): (vec::Vec3, vec::Vec3)| {
+                    let ray = ray(org, dir);
+                    let hit = traverse.call(b, (ray, Keep(false.into()), accept()));
+                    b.if_(
+                        hit.is_hit(),
+                        |b| {
+                            let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
+                            b.dispatch(Row::<Geometries>::at(geometry), |b, row| {
+                                let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
+                                let surf = geometry.surface_element.call(b, (ray, hit));
+                                let emission = geometry.shader.call(b, (ray, hit, surf)).emission.call(b, -dir);
+                                let cos = surf.face_cos(dir).abs();
+                                let pdf = hit_pdf(emission.pdf_area, hit.t, cos);
+                                (emission.intensity, emission.intensity.is_black().select(0.0.into(), pdf), hit.t, cos)
+                            })
+                        },
+                        |b| {
+                            let has_sky = Row::<Settings>::at(0u32).get(Settings::HAS_ENVIRONMENT);
+                            let sky = |_: &mut _| (environment_radiance(dir), environment_pdf(dir));
+                            let (radiance, pdf) = b.if_(has_sky, sky, |_| (black(), F32::from(0.0)));
+                            (radiance, pdf, hit.t, F32::from(1.0))
+                        },
+                    )
+                }),
+            );
+            entry(
+                "emit",
+                Fun::lam(|b, (rng, index): (Rng, U32)| {
+                    with_light(b, index, |b, light| {
+                        let e = light.sample_emission.call(b, rng);
+                        let carried: Color = e.intensity * (e.cos / (e.pdf_area * e.pdf_dir));
+                        (e.dir, carried.g)
+                    })
+                }),
+            );
+        });
+        LightProbe { bench, origin: DVec3::ZERO }
+    }
+}
+
+/// Words of floats.
+fn floats<const N: usize>(words: &[u32]) -> [f32; N] {
+    std::array::from_fn(|i| f32::from_bits(words[i]))
+}
+
+impl LightProbe {
+    /// Take this scene; gives its tables.
+    pub fn load(&mut self, scene: &Scene) -> Tables {
+        let tables = Tables::new(scene, &Choices::default(), Known::Nothing);
+        self.bench.load(&tables);
+        self.origin = tables.origin;
+        tables
+    }
+
+    /// A point of the world where the tables have it.
+    fn place(&self, point: V) -> V {
+        (DVec3::from(point.map(f64::from)) - self.origin).as_vec3().to_array()
+    }
+
+    /// The light, a row of `Lights`, that a uniform number draws, and the probability that its row states.
+    pub fn choose(&mut self, u: f32) -> (usize, f32) {
+        let out = self.bench.run("choose", &[u.to_bits()]);
+        (out[0] as usize, f32::from_bits(out[1]))
+    }
+
+    /// Light sampling at a point in the air by the numbers of a key; `both`: by the interpreter too, to the same bits.
+    pub fn sample(&mut self, key: u32, point: V, both: bool) -> Drawn {
+        let args = [stream(key), self.place(point).map(f32::to_bits)].concat();
+        let out = if both { self.bench.run_both("sample", &args) } else { self.bench.run("sample", &args) };
+        let [x, y, z, _, _, _, distance, _, radiance, _, pdf] = floats(&out);
+        Drawn { wi: [x, y, z], distance, radiance, pdf, is_delta: out[11] != 0, is_blocked: out[14] != 0 }
+    }
+
+    /// What a ray from a point finds in a unit direction.
+    pub fn see(&mut self, point: V, dir: V) -> Seen {
+        let out =
+            self.bench.run("see", &[self.place(point), dir].concat().into_iter().map(f32::to_bits).collect::<Vec<_>>());
+        let [_, radiance, _, pdf, distance, cos] = floats(&out);
+        Seen { radiance, pdf, distance, cos }
+    }
+
+    /// A ray that leaves light `index`, by the numbers of a key.
+    pub fn emit(&mut self, key: u32, index: u32, both: bool) -> Emitted {
+        let args = [&stream(key)[..], &[index]].concat();
+        let out = if both { self.bench.run_both("emit", &args) } else { self.bench.run("emit", &args) };
+        let [x, y, z, flux] = floats(&out);
+        Emitted { dir: [x, y, z], flux: f64::from(flux) }
+    }
+}
+
+/// On a bench without a scene, light `row` becomes a triangle or a parallelogram (`kind`).
+pub fn set_area(bench: &mut Bench, row: usize, kind: u32, corner: V, e1: V, e2: V, area: f32) {
+    bench.set(Lights::KIND, row, kind);
+    bench.set(Lights::AREA, row, area);
+    use Lights as L;
+    let columns = [L::P_X, L::P_Y, L::P_Z, L::E1_X, L::E1_Y, L::E1_Z, L::E2_X, L::E2_Y, L::E2_Z];
+    for (column, value) in columns.into_iter().zip([corner, e1, e2].concat()) {
+        bench.set(column, row, value);
+    }
+}
+
+/// A scene of lights and a point in the air from which to look.
+pub struct Lit {
+    /// For messages.
+    pub name: String,
+    /// Lights alone.
+    pub scene: Scene,
+    /// From where.
+    pub point: V,
+    /// Coordinates in which the density is smooth in each cell of a grid; nothing for many lights.
+    pub chart: Option<Chart>,
+}
+
+/// A scene of emitters, each a parallelogram: corner and edges, radiance, and whether it shines on both sides.
+fn lamps(lamps: &[([V; 3], f32, bool)]) -> Scene {
+    let mut scene = Scene::default();
+    for ([corner, u, v], radiance, double_sided) in lamps {
+        let mesh = rectangle(Vec3::from(*corner), Vec3::from(*u), Vec3::from(*v));
+        let material = Material { double_sided: *double_sided, ..Material::emitter("lamp", [*radiance; 3]) };
+        place(&mut scene, mesh, material, 1.0, DVec3::ZERO);
+    }
+    scene
+}
+
+/// Lights with extent: each kind, near and far, from the side and from behind, textured, several at once, and every map.
+pub fn lights() -> Vec<Lit> {
+    let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let lamp = |name: &str, quad: [V; 3], both: bool, point: V| {
+        let chart = Some(Chart::Parallelogram(quad));
+        Lit { name: name.into(), scene: lamps(&[(quad, 2.0, both)]), point, chart }
+    };
+    let above = |height: f32| [[-0.5, height, -0.5], x, z];
+    let mut all = vec![
+        lamp("square lamp", above(1.0), false, [0.1, 0.0, 0.2]),
+        lamp("square lamp, close", above(0.05), false, [0.1, 0.0, 0.2]),
+        lamp("square lamp, far", above(50.0), false, [0.1, 0.0, 0.2]),
+        lamp("square lamp, from the side", above(0.1), false, [2.0, 0.0, 0.3]),
+        lamp("leaning lamp", [[0.3, 0.2, 0.1], [0.7, 0.1, -0.2], [0.2, 0.8, 0.5]], true, [0.9, 0.7, 0.2]),
+        lamp("narrow lamp", [[-0.5, 1.0, 0.0], x, [0.0, 0.0, 1e-4]], false, [0.0; 3]),
+        lamp("two-sided lamp, from behind", above(0.5), true, [0.1, 1.0, 0.2]),
+        lamp("one-sided lamp, from behind", above(0.5), false, [0.1, 1.0, 0.2]),
+        lamp("lamp, from its plane", above(0.5), false, [1.1, 0.5, 0.2]),
+    ];
+    let mut triangle = lamp("triangle", above(0.5), false, [0.1, 0.0, 0.2]);
+    triangle.scene.meshes[0].triangles.truncate(1);
+    triangle.chart = Some(Chart::Triangle(above(0.5)));
+    all.push(textured(&triangle));
+    all.push(triangle);
+    let mut ball = Scene::default();
+    place(&mut ball, sphere(0), Material::emitter("ball", [1.0; 3]), 0.5, DVec3::Y);
+    all.push(Lit { name: "ball of 20 triangles".into(), scene: ball, point: [0.2, 0.0, 0.3], chart: None });
+    all.push(medley());
+    for (name, map) in maps() {
+        let chart = Some(Chart::Map(map.clone()));
+        let scene = Scene { environment: Some(map), ..Scene::default() };
+        all.push(Lit { name: format!("sky: {name}"), scene, point: [0.0; 3], chart });
+    }
+    all
+}
+
+/// The same with a checkerboard on it, five by five.
+fn textured(plain: &Lit) -> Lit {
+    let mut scene = plain.scene.clone();
+    scene.textures.push(Texture {
+        name: "board".into(),
+        source: TextureSource::Checkerboard { even: [1.0; 3], odd: [0.25; 3] },
+        wrap_s: Wrap::Repeat,
+        wrap_t: Wrap::Repeat,
+        filter: Filter::Nearest,
+    });
+    scene.materials[0].emissive_texture = Some(TextureRef { texture: 0, uv_set: 0, transform: None });
+    scene.meshes[0].uvs[0] = Some([[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [0.0, 5.0]].map(glam::Vec2::from).to_vec());
+    Lit { name: format!("textured {}", plain.name), scene, chart: plain.chart.clone(), ..*plain }
+}
+
+/// Everything at once.
+fn medley() -> Lit {
+    let z = [0.0, 0.0, 1.0];
+    let mut scene = lamps(&[
+        ([[-2.0, 1.0, -0.5], [1.0, 0.0, 0.0], z], 1.0, false),
+        ([[1.0, 1.0, -0.5], [0.5, 0.0, 0.0], z], 3.0, false),
+        // Behind the first.
+        ([[-4.0, 2.0, -2.0], [4.0, 0.0, 0.0], [0.0, 0.0, 4.0]], 0.5, true),
+    ]);
+    scene.environment = maps().into_iter().find(|m| m.0 == "one texel in the dark").map(|m| m.1);
+    scene.lights = vec![light(LightKind::Point, 1.0, 3.0), light(LightKind::Directional, 1.0, 0.0)];
+    let name = "lamps, one behind another, and a sky, a point and a sun".into();
+    Lit { name, scene, point: [0.2, 0.0, 0.3], chart: None }
+}

@@ -1,0 +1,150 @@
+//! Coordinates of a light, in which its density has no jumps but along the lines of a grid: there expected counts are
+//! cheap, and the integral of the density is exact to rounding.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DVec3};
+use jerboa_scenes::Environment;
+
+use super::super::chi2::{Report, Worst, pearson};
+use super::super::probe::{V, normalize};
+use super::super::quadrature::nodes;
+use super::super::stats::chi2_tail;
+
+/// The unit square laid over a light.
+#[derive(Clone)]
+pub enum Chart {
+    /// A corner and two edges, which are the coordinates.
+    Parallelogram([V; 3]),
+    /// Half of that: corner + s (u + t v).
+    Triangle([V; 3]),
+    /// The coordinates of an environment map.
+    Map(Environment),
+}
+
+/// Cells along each edge of an area light.
+const CELLS: usize = 8;
+
+impl Chart {
+    /// Cells along each coordinate: several to a texel where there are few.
+    fn grid(&self) -> [usize; 2] {
+        match self {
+            Chart::Map(map) => [map.width, map.height].map(|n| n as usize * CELLS.div_ceil(n as usize)),
+            _ => [CELLS; 2],
+        }
+    }
+
+    /// The direction at a place, and steradians per unit of the square there.
+    fn direction(&self, point: V, [s, t]: [f64; 2]) -> (V, f64) {
+        let point = DVec3::from(point.map(f64::from));
+        let seen = |[corner, u, v]: &[V; 3], a: f64, b: f64| {
+            let [corner, u, v] = [corner, u, v].map(|x| DVec3::from(x.map(f64::from)));
+            let to = corner + u * a + v * b - point;
+            (normalize(to.to_array()), to.dot(u.cross(v)).abs() / to.length().powi(3))
+        };
+        match self {
+            Chart::Parallelogram(quad) => seen(quad, s, t),
+            Chart::Triangle(quad) => {
+                let (direction, measure) = seen(quad, s, s * t);
+                (direction, measure * s)
+            }
+            Chart::Map(map) => {
+                let (phi, theta) = (TAU * (s - 0.5) - f64::from(map.rotation_deg).to_radians(), PI * t);
+                let dir = [theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos()];
+                (normalize(dir), 2.0 * PI * PI * theta.sin())
+            }
+        }
+    }
+
+    /// The place of a direction.
+    fn place(&self, point: V, dir: V) -> [f64; 2] {
+        let dir = DVec3::from(dir.map(f64::from));
+        let met = |quad: &[V; 3]| {
+            let [corner, u, v] = quad.map(|x| DVec3::from(x.map(f64::from)));
+            // point + d dir = corner + s u + t v.
+            let solved = DMat3::from_cols(u, v, -dir).inverse() * (DVec3::from(point.map(f64::from)) - corner);
+            [solved.x, solved.y]
+        };
+        match self {
+            Chart::Parallelogram(quad) => met(quad),
+            Chart::Triangle(quad) => {
+                let [a, b] = met(quad);
+                [a, if a > 0.0 { b / a } else { 0.0 }]
+            }
+            Chart::Map(map) => {
+                let phi = dir.x.atan2(-dir.z) + f64::from(map.rotation_deg).to_radians();
+                [(phi / TAU + 0.5).rem_euclid(1.0), dir.y.clamp(-1.0, 1.0).acos() / PI]
+            }
+        }
+    }
+
+    /// χ² of directions from a point (`None`: there was none) against a density per steradian, over the cells.
+    pub fn test(&self, point: V, samples: &[Option<V>], mut pdf: impl FnMut(V) -> f64) -> Report {
+        let [across, down] = self.grid();
+        let (mut seen, mut expected) = (vec![0.0; across * down], vec![0.0; across * down]);
+        for (i, cell) in expected.iter_mut().enumerate() {
+            for (x, wx) in nodes::<3>() {
+                for (y, wy) in nodes::<3>() {
+                    let at = |k: usize, n: usize, x: f64| (k as f64 + (x + 1.0) / 2.0) / n as f64;
+                    let place = [at(i % across, across, x), at(i / across, down, y)];
+                    let (direction, measure) = self.direction(point, place);
+                    *cell += wx * wy / 4.0 * pdf(direction) * measure / (across * down) as f64;
+                }
+            }
+        }
+        let (mut found, mut stray) = (0, 0);
+        for dir in samples.iter().copied().flatten() {
+            let cell = |x: f64, n: usize| ((x * n as f64).max(0.0) as usize).min(n - 1);
+            let [s, t] = self.place(point, dir);
+            found += 1;
+            stray += usize::from(pdf(dir) == 0.0);
+            seen[cell(t, down) * across + cell(s, across)] += 1.0;
+        }
+        let integral: f64 = expected.iter().sum();
+        let scale = f64::from(found) / integral.max(f64::MIN_POSITIVE);
+        expected.iter_mut().for_each(|e| *e *= scale);
+        let (chi2, freedom) = pearson(&seen, &expected);
+        let part = |i: usize| (seen[i] - expected[i]).powi(2) / expected[i].max(1.0);
+        let worst = (0..seen.len()).max_by(|i, j| part(*i).total_cmp(&part(*j))).expect("there is a cell");
+        Report {
+            p: if freedom == 0 { 1.0 } else { chi2_tail(chi2, freedom) },
+            chi2,
+            freedom,
+            integral,
+            lost: 1.0 - f64::from(found) / samples.len() as f64,
+            samples: samples.len(),
+            stray,
+            invalid: None,
+            worst: Worst {
+                middle: format!("cell {} of {across}, {} of {down}", worst % across, worst / across),
+                seen: seen[worst],
+                expected: expected[worst],
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_directions_are_inverse() {
+        let quad = [[0.3, 0.2, 0.1], [0.7, 0.1, -0.2], [0.2, 0.8, 0.5]];
+        let texel = vec![[1.0; 3]];
+        let map = Environment { width: 1, height: 1, radiance: texel, intensity: 1.0, rotation_deg: 40.0 };
+        for chart in [Chart::Parallelogram(quad), Chart::Triangle(quad), Chart::Map(map)] {
+            let point = [0.9, 0.7, 0.2];
+            for place in [[0.2, 0.3], [0.9, 0.1], [0.5, 0.75]] {
+                let (direction, _) = chart.direction(point, place);
+                let back = chart.place(point, direction);
+                assert!((0..2).all(|i| (back[i] - place[i]).abs() < 1e-5), "{place:?} {back:?}");
+            }
+            // The measure is that of directions: a small step spans it.
+            let at = |s, t| DVec3::from(chart.direction(point, [s, t]).0.map(f64::from));
+            let (u, v) = (at(0.45, 0.4) - at(0.35, 0.4), at(0.4, 0.45) - at(0.4, 0.35));
+            let measure = chart.direction(point, [0.4, 0.4]).1;
+            assert!((u.cross(v).length() / 0.01 / measure - 1.0).abs() < 0.05, "{measure}");
+        }
+    }
+}
