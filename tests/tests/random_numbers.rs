@@ -1,9 +1,10 @@
 //! T17: the renderer's random numbers. Streams are distinct, neighbours independent, numbers below 1.
 //!
-//! The long version of all of it looks at more numbers for each question; `tests/runs/random-numbers.txt` has what it gave:
+//! The long version looks at more numbers for each question; `tests/runs/random-numbers.txt` has what it gave:
 //!
 //! ```sh
-//! JERBOA_NUMBERS=268435456 cargo test --release -p jerboa-tests --test random_numbers -- --nocapture
+//! JERBOA_NUMBERS=268435456 cargo test --release -p jerboa-tests --test random_numbers -- --nocapture sequences streams twins
+//! JERBOA_NUMBERS=16777216 cargo test --release -p jerboa-tests --test random_numbers -- --nocapture neighbours
 //! ```
 
 use jerboa_ir::lang::U32;

@@ -4,6 +4,7 @@
 //! 2^26 samples of 0.1). Here each sample is rounded once, by itself, to a multiple of 2^-64, and these integers
 //! are summed in 128 bits, which is exact. So no order of arrival, thread, tile, device or merge can change a bit,
 //! and partial renders add up to the very bits of the whole (Law 9; accuracy.md, N21).
+//! `tests/tests/film.rs` says so with 2^26 samples.
 //!
 //! A sample s becomes the integer nearest to s·2^64 (ties to even). With |s| <= 2^31, 2^32 of them stay within
 //! 2^127, so the sum cannot overflow. Every f32 of magnitude 2^-41 or more is represented exactly.
@@ -211,71 +212,6 @@ mod tests {
     use super::*;
 
     const ONE: Window = Window { x: 0, y: 0, width: 1, height: 1 };
-
-    /// A film of one pixel after `count` samples of which each doubling is a merge with itself.
-    fn doubled(mut film: Film, times: u32) -> Film {
-        for _ in 0..times {
-            let copy = film.clone();
-            film.merge(&copy).unwrap();
-        }
-        film
-    }
-
-    /// Samples that depend on an index only; spread over many magnitudes and both signs.
-    fn sample(i: u32) -> [f32; 3] {
-        let hash = |k: u32| (i ^ k).wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
-        [1, 2, 3].map(|k| {
-            let h = hash(k);
-            let scale = ((h & 63) as f32 - 32.0).exp2().min(RANGE);
-            ((h >> 8) as f32 / 16_777_216.0 - 0.25) * scale
-        })
-    }
-
-    #[test]
-    fn t20_two_to_the_26_equal_samples_have_that_mean() {
-        let mut film = Film::new(ONE);
-        film.add([0, 0], [0.1, 1e-6, 12345.678]);
-        let film = doubled(film, 26);
-        assert_eq!(film.count([0, 0]), 1 << 26);
-        assert_eq!(film.mean().pixels, [[0.1, 1e-6, 12345.678]]);
-    }
-
-    #[test]
-    fn t20_two_to_the_26_exponential_samples_have_their_mean() {
-        // 2^16 stratified samples of exp(1), each 2^10 times; the mean is compared with the sum in f64.
-        let mut film = Film::new(ONE);
-        let mut exact = 0.0_f64;
-        for i in 0..1 << 16 {
-            let x = -((f64::from(i) + 0.5) / 65536.0).ln() as f32;
-            film.add([0, 0], [x; 3]);
-            exact += f64::from(x) / 65536.0;
-        }
-        let [mean, ..] = doubled(film, 10).mean().pixels[0];
-        assert!((f64::from(mean) / exact - 1.0).abs() <= 1e-6);
-        assert!((exact - 1.0).abs() < 1e-4);
-    }
-
-    #[test]
-    fn neither_order_nor_tiles_change_a_bit() {
-        let window = Window { x: 3, y: 5, width: 4, height: 3 };
-        let pixel = |i: u32| [3 + i % 4, 5 + i / 4 % 3];
-        let mut forward = Film::new(window);
-        (0..5000).for_each(|i| forward.add(pixel(i), sample(i)));
-        let mut backward = Film::new(window);
-        (0..5000).rev().for_each(|i| backward.add(pixel(i), sample(i)));
-        assert_eq!(forward, backward);
-
-        let mut merged = Film::new(window);
-        for tile in [(5, 6, 2, 2), (3, 5, 4, 1), (3, 6, 2, 2)] {
-            let mut film = Film::new(Window { x: tile.0, y: tile.1, width: tile.2, height: tile.3 });
-            let inside = (0..5000).filter(|&i| film.window().index(pixel(i)).is_some()).collect::<Vec<_>>();
-            inside.into_iter().for_each(|i| film.add(pixel(i), sample(i)));
-            merged.merge(&film).unwrap();
-        }
-        assert_eq!(forward, merged);
-        let bits = |film: &Film| film.mean().pixels.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(&forward), bits(&merged));
-    }
 
     #[test]
     fn a_mean_is_rounded_once() {

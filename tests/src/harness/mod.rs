@@ -5,6 +5,7 @@
 //!   interpreted.
 //! - [`sweep`]: kernels that loop, for millions of questions to one function.
 //! - [`lights`]: lights of a whole scene, asked for choices, samples and densities; and the table of them.
+//! - [`functions`]: the math library, one row a function; exhaustive sweeps and special values.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
@@ -21,6 +22,7 @@ pub mod hostile;
 pub mod metamorphic;
 pub mod naive;
 pub mod lights;
+pub mod functions;
 pub mod probe;
 pub mod chi2;
 pub mod quadrature;
