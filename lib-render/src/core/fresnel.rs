@@ -8,7 +8,8 @@ use crate::core::color::Color;
 ///
 /// `cos` ≥ 0 is the cosine on the side the light is on, `eta` the index behind the interface over the index there.
 /// Source: Cook & Torrance 1982 in the form with g² = η² − 1 + c². Error ≤ 5e-7, or 1.5e-7 / √δ at a distance δ of the
-/// cosine from the critical one (N12): the usual form gives R = 1 for η = 1 at grazing angles.
+/// cosine from the critical one, times 1/(2.25 η²) below η = 1/1.5 (N12): the usual form gives R = 1 for η = 1 at grazing
+/// angles.
 pub fn fresnel_dielectric(cos: F32, eta: F32) -> F32 {
     let c = cos;
     let g2 = (eta - 1.0) * (eta + 1.0) + c * c;

@@ -28,7 +28,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Debug;
 
 use super::probe::{V, normalize};
-use super::quadrature::rectangle;
+use super::quadrature::rectangle_with_hints;
 use super::stats::chi2_tail;
 
 /// How far the integral of a density may be off.
@@ -175,8 +175,10 @@ impl<T: Copy + Debug> Domain<T> {
         }
         // A thousandth of what a cell holds on average: even a million samples cannot see that.
         let tolerance = 1e-3 / cells.leaves.len() as f64;
-        let mut share = |(lo, hi)| rectangle(lo, hi, tolerance, |p| density((self.point)(p)) * self.measure);
-        let shares: Vec<f64> = cells.leaves.iter().map(|leaf| share(*leaf)).collect();
+        let mut share = |Leaf { lo, hi, points }: &Leaf| {
+            rectangle_with_hints(*lo, *hi, tolerance, points, |p| density((self.point)(p)) * self.measure)
+        };
+        let shares: Vec<f64> = cells.leaves.iter().map(&mut share).collect();
         let integral: f64 = shares.iter().sum();
         // Given that a sample was found at all.
         let scale = f64::from(found) / integral.max(f64::MIN_POSITIVE);
@@ -184,7 +186,7 @@ impl<T: Copy + Debug> Domain<T> {
         let (chi2, freedom) = pearson(&seen, &expected);
         let part = |i: usize| (seen[i] - expected[i]).powi(2) / expected[i].max(LEAST);
         let worst = (0..seen.len()).max_by(|i, j| part(*i).total_cmp(&part(*j))).expect("there is a cell");
-        let (lo, hi) = cells.leaves[worst];
+        let Leaf { lo, hi, .. } = cells.leaves[worst];
         let middle = (self.point)([0, 1].map(|i| (lo[i] + hi[i]) / 2.0));
         Report {
             p: if freedom == 0 { 1.0 } else { chi2_tail(chi2, freedom) },
@@ -208,11 +210,15 @@ struct Cells {
     depth: usize,
     /// The root is the last.
     nodes: Vec<Node>,
-    leaves: Vec<Rectangle>,
+    leaves: Vec<Leaf>,
 }
 
-/// Lower and upper corner.
-type Rectangle = ([f64; 2], [f64; 2]);
+/// A cell, and the points that showed it.
+struct Leaf {
+    lo: [f64; 2],
+    hi: [f64; 2],
+    points: Vec<[f64; 2]>,
+}
 
 enum Node {
     /// What is below `at` along `axis` is in node `low`, the rest in `high`.
@@ -230,11 +236,11 @@ impl Cells {
     fn new(points: &mut [[f64; 2]], number: usize, axes: usize) -> Cells {
         let depth = number.ilog2() as usize;
         let mut cells = Cells { axes, depth, nodes: Vec::new(), leaves: Vec::new() };
-        cells.divide(([0.0; 2], [1.0; 2]), points, 0);
+        cells.divide([0.0; 2], [1.0; 2], points, 0);
         cells
     }
 
-    fn divide(&mut self, (lo, hi): Rectangle, points: &mut [[f64; 2]], level: usize) -> usize {
+    fn divide(&mut self, lo: [f64; 2], hi: [f64; 2], points: &mut [[f64; 2]], level: usize) -> usize {
         let axis = level % self.axes;
         points.sort_by(|p, q| p[axis].total_cmp(&q[axis]));
         match self.cut([lo[axis], hi[axis]], points, level) {
@@ -242,12 +248,12 @@ impl Cells {
                 let (below, above) = points.split_at_mut(points.partition_point(|p| p[axis] < at));
                 let (mut low_hi, mut high_lo) = (hi, lo);
                 (low_hi[axis], high_lo[axis]) = (at, at);
-                let low = self.divide((lo, low_hi), below, level);
-                let high = self.divide((high_lo, hi), above, level);
+                let low = self.divide(lo, low_hi, below, level);
+                let high = self.divide(high_lo, hi, above, level);
                 self.nodes.push(Node::Cut { axis, at, low, high });
             }
             _ => {
-                self.leaves.push((lo, hi));
+                self.leaves.push(Leaf { lo, hi, points: points.to_vec() });
                 self.nodes.push(Node::Leaf(self.leaves.len() - 1));
             }
         }
@@ -319,6 +325,21 @@ mod tests {
                 assert!((right.integral - 1.0).abs() < 1e-4 && right.freedom > 100, "{n} {axis:?}: {right:?}");
                 let wider = sphere(&samples, |w| density(n * 0.9 + 0.3, axis, w));
                 assert!(wider.fault(1e-6).is_some_and(|f| f.contains("χ²")), "{n} {axis:?}: {wider:?}");
+            }
+        }
+    }
+
+    /// Peaks in the light of everything else, where few samples help.
+    #[test]
+    fn peaks_among_others_are_found() {
+        let mut random = Random::new(0xc4);
+        for n in [100.0, 1e4, 1e6] {
+            for axis in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]] {
+                let samples: Vec<_> =
+                    (0..5000).map(|k| lobe(if k % 3 == 0 { 0.0 } else { n }, axis, &mut random)).collect();
+                let both = |w| density(0.0, axis, w) / 3.0 + density(n, axis, w) / 1.5;
+                let report = sphere(&samples, both);
+                assert_eq!(report.fault(1e-3), None, "{n} {axis:?}: {report:?}");
             }
         }
     }

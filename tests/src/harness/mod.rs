@@ -7,6 +7,7 @@
 //! - [`lights`]: lights of a whole scene, asked for choices, samples and densities; and the table of them.
 //! - [`functions`]: the math library, one row a function; exhaustive sweeps and special values.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
+//! - [`scattering`]: the table of BSDFs under test.
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
 //! - [`streams`]: random numbers, asked for in bulk, and what is counted in them.
@@ -24,6 +25,7 @@ pub mod naive;
 pub mod lights;
 pub mod functions;
 pub mod probe;
+pub mod scattering;
 pub mod chi2;
 pub mod quadrature;
 pub mod rays;

@@ -157,7 +157,7 @@ impl Probe {
 
     /// Roughness, and whether its square counts as smooth.
     pub fn roughness(&mut self, roughness: f32) -> &mut Probe {
-        let smooth = if roughness * roughness < 1e-3 { SMOOTH_ALWAYS } else { SMOOTH_NEVER };
+        let smooth = if roughness * roughness < SMOOTH_ALPHA { SMOOTH_ALWAYS } else { SMOOTH_NEVER };
         self.bench.set(Materials::SMOOTH, 0, smooth);
         self.number(Materials::ROUGHNESS, roughness)
     }

@@ -41,22 +41,37 @@ pub fn gauss<const N: usize>(a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f
 
 /// Nodes along each side of a rectangle.
 const SIDE: usize = 4;
-/// Most subdivisions of a rectangle. A jump across a whole side then costs 2^-10 of what it is worth there.
-const DEEPEST: u32 = 10;
+/// Most halvings of a rectangle: for a peak a millionth as wide both ways, at its rim.
+const DEEPEST: u32 = 40;
 /// A peak or a border of the support between the outermost nodes and a side of the rectangle is not seen by the nodes:
 /// 0.035 of it, once halved.
 const UNSEEN: f64 = 0.035;
 
 /// ∫ f over the rectangle between two corners, with an error of about `tolerance`, if nodes a quarter apart see its peaks.
 ///
-/// Where 16 nodes and four times 16 nodes differ by more than that, the quarters are asked, each for half the tolerance:
-/// the errors of four add up like random numbers. So they are where f is 0 in a part or much larger at a corner, by what
-/// may be unseen there.
-pub fn rectangle(lo: [f64; 2], hi: [f64; 2], tolerance: f64, mut f: impl FnMut([f64; 2]) -> f64) -> f64 {
-    let nodes = nodes::<SIDE>();
-    let whole = Part::new(&nodes, lo, hi, &mut f);
-    whole.refine(&nodes, tolerance, DEEPEST, &mut f)
+/// Where 16 nodes and twice 16 nodes differ by more than that, it is halved across the axis that tells more, and each half
+/// is asked for 1/√2 of the tolerance: two errors add up like random numbers. So it is where f is 0 in a part or much
+/// larger at the rim or at a hint, by what may be unseen there.
+pub fn rectangle(lo: [f64; 2], hi: [f64; 2], tolerance: f64, f: impl FnMut([f64; 2]) -> f64) -> f64 {
+    rectangle_with_hints(lo, hi, tolerance, &[], f)
 }
+
+/// As [`rectangle`], and no peak is overlooked that one of the points lies on.
+pub fn rectangle_with_hints(
+    lo: [f64; 2],
+    hi: [f64; 2],
+    tolerance: f64,
+    hints: &[[f64; 2]],
+    mut f: impl FnMut([f64; 2]) -> f64,
+) -> f64 {
+    let nodes = nodes::<SIDE>();
+    let hints: Vec<Hint> = hints.iter().map(|p| (*p, f(*p).abs())).collect();
+    let whole = Part::new(&nodes, lo, hi, &hints, &mut f);
+    whole.refine(&nodes, tolerance, DEEPEST, f64::INFINITY, &hints, &mut f)
+}
+
+/// A point and |f| there.
+type Hint = ([f64; 2], f64);
 
 /// A rectangle, and what the nodes see of it.
 struct Part {
@@ -68,7 +83,13 @@ struct Part {
 }
 
 impl Part {
-    fn new(nodes: &[(f64, f64)], lo: [f64; 2], hi: [f64; 2], f: &mut impl FnMut([f64; 2]) -> f64) -> Part {
+    fn new(
+        nodes: &[(f64, f64)],
+        lo: [f64; 2],
+        hi: [f64; 2],
+        hints: &[Hint],
+        f: &mut impl FnMut([f64; 2]) -> f64,
+    ) -> Part {
         let half = [0, 1].map(|i| (hi[i] - lo[i]) / 2.0);
         let mut ask = |x: f64, y: f64| f([(lo[0] + hi[0]) / 2.0 + half[0] * x, (lo[1] + hi[1]) / 2.0 + half[1] * y]);
         let (mut sum, mut inside, mut zeros) = (0.0, 0.0_f64, 0);
@@ -80,33 +101,52 @@ impl Part {
                 zeros += usize::from(value == 0.0);
             }
         }
-        // Next to the corners, which a straight border cannot pass by.
-        const CORNER: f64 = 0.999;
-        let corners = [[-CORNER, -CORNER], [CORNER, -CORNER], [-CORNER, CORNER], [CORNER, CORNER]];
-        let corners = corners.map(|[x, y]| ask(x, y).abs());
-        zeros += corners.iter().filter(|value| **value == 0.0).count();
-        let largest = corners.into_iter().fold(inside, f64::max);
-        let mixed = zeros > 0 && zeros < nodes.len() * nodes.len() + corners.len();
+        // Just inside the corners and the middles of the sides, one of which a border or a peak beside it will touch.
+        const RIM: f64 = 1.0 - 1e-6;
+        let rim =
+            [(RIM, RIM), (RIM, 0.0), (RIM, -RIM), (0.0, RIM), (0.0, -RIM), (-RIM, RIM), (-RIM, 0.0), (-RIM, -RIM)];
+        let rim = rim.map(|(x, y)| ask(x, y).abs());
+        zeros += rim.iter().filter(|value| **value == 0.0).count();
+        let known = hints.iter().filter(|(p, _)| (0..2).all(|i| lo[i] <= p[i] && p[i] < hi[i])).map(|hint| hint.1);
+        let largest = rim.into_iter().chain(known).fold(inside, f64::max);
+        let mixed = zeros > 0 && zeros < nodes.len() * nodes.len() + rim.len();
         let unseen = if mixed || largest > 4.0 * inside { UNSEEN * largest * 4.0 * half[0] * half[1] } else { 0.0 };
         Part { lo, hi, integral: sum * half[0] * half[1], unseen }
     }
 
-    fn refine(&self, nodes: &[(f64, f64)], tolerance: f64, depth: u32, f: &mut impl FnMut([f64; 2]) -> f64) -> f64 {
-        let middle = [0, 1].map(|i| (self.lo[i] + self.hi[i]) / 2.0);
-        let quarters = [0, 1, 2, 3].map(|q| {
-            let upper = [q & 1 == 1, q & 2 == 2];
-            let lo = [0, 1].map(|i| if upper[i] { middle[i] } else { self.lo[i] });
-            let hi = [0, 1].map(|i| if upper[i] { self.hi[i] } else { middle[i] });
-            Part::new(nodes, lo, hi, f)
+    fn refine(
+        &self,
+        nodes: &[(f64, f64)],
+        tolerance: f64,
+        depth: u32,
+        last_error: f64,
+        hints: &[Hint],
+        f: &mut impl FnMut([f64; 2]) -> f64,
+    ) -> f64 {
+        let halves = [0, 1].map(|axis| {
+            let middle = (self.lo[axis] + self.hi[axis]) / 2.0;
+            let (mut low_hi, mut high_lo) = (self.hi, self.lo);
+            (low_hi[axis], high_lo[axis]) = (middle, middle);
+            [Part::new(nodes, self.lo, low_hi, hints, f), Part::new(nodes, high_lo, self.hi, hints, f)]
         });
-        let sum: f64 = quarters.iter().map(|part| part.integral).sum();
-        let unseen: f64 = quarters.iter().map(|part| part.unseen).sum();
-        let error = (sum - self.integral).abs() + unseen;
-        // No subdivision mends a NaN.
-        if error <= tolerance || !error.is_finite() || depth == 0 {
-            return sum;
+        let sum = |axis: usize| halves[axis][0].integral + halves[axis][1].integral;
+        let unseen = |axis: usize| halves[axis][0].unseen + halves[axis][1].unseen;
+        let change = [0, 1].map(|axis| (sum(axis) - self.integral).abs());
+        // What halving changes, and what it brings to sight.
+        let gain = [0, 1].map(|axis| change[axis] + self.unseen - unseen(axis));
+        let axis = if gain[0] == gain[1] { depth as usize % 2 } else { usize::from(gain[1] > gain[0]) };
+        let error = change[0] + change[1] + unseen(axis);
+        // Nodes can agree by chance: the rectangle around must have been nearly right too. No subdivision mends a NaN.
+        if (error <= tolerance && last_error <= 100.0 * tolerance) || !error.is_finite() || depth == 0 {
+            return sum(axis);
         }
-        quarters.iter().map(|part| part.refine(nodes, tolerance / 2.0, depth - 1, f)).sum()
+        let tolerance = tolerance * std::f64::consts::FRAC_1_SQRT_2;
+        let halve = |part: &Part| {
+            let inside = |p: &[f64; 2]| part.lo[axis] <= p[axis] && p[axis] < part.hi[axis];
+            let hints: Vec<Hint> = hints.iter().filter(|(p, _)| inside(p)).copied().collect();
+            part.refine(nodes, tolerance, depth - 1, error, &hints, f)
+        };
+        halves[axis].iter().map(halve).sum()
     }
 }
 

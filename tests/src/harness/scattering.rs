@@ -1,0 +1,308 @@
+//! The BSDFs under test: one table, and every test of `tests/tests/scattering` runs over all its rows.
+//!
+//! To add a BSDF, add a way to set it up to [`Probe`], and a family of rows to [`rows`], with the parameters at which it is
+//! extreme. A row is a name and the set-up; what it does not claim stays as [`Row::new`] made it:
+//! - [`Row::through`], if light comes through, with the index of the inside where it bends there;
+//! - [`Row::lobe`], if f has a lobe: how wide it is says how well f can be known when directions are rounded;
+//! - [`Row::returns`], the share of light that comes back in the green channel, by a calculation in f64 that shares
+//!   nothing with the renderer; [`microfacets`] and [`phong_lobe`] are such calculations.
+//!
+//! ```
+//! use jerboa_tests::harness::probe::{Probe, at_cos};
+//! use jerboa_tests::harness::scattering::rows;
+//!
+//! let mut probe = Probe::default();
+//! let lambert = &rows()[0];
+//! (lambert.make)(&mut probe);
+//! assert_eq!(lambert.returned.as_ref().unwrap()(0.3), 0.5);
+//! assert_eq!(probe.sample(at_cos(0.3), 0).weight[1], 0.5);
+//! ```
+
+use std::f64::consts::PI;
+
+use jerboa_lib_render::schema::Materials;
+
+use super::probe::Probe;
+use super::quadrature::{gauss, rectangle};
+
+/// Index of the dielectrics here.
+const INDEX: f64 = 1.5;
+
+/// A BSDF, and what is claimed about it.
+pub struct Row {
+    /// Kind and parameter.
+    pub name: String,
+    /// How the probe is set up.
+    pub make: Box<dyn Fn(&mut Probe)>,
+    /// Does light come through?
+    pub passes: bool,
+    /// Index of the inside over the outside where light bends on its way in, else 1: f / index² is reciprocal.
+    pub index: f64,
+    /// Width of the narrowest lobe, radians.
+    pub width: f64,
+    /// Share of light from everywhere that is returned towards a cosine (negative: inside); green.
+    pub returned: Option<Box<dyn Fn(f64) -> f64>>,
+}
+
+impl Row {
+    /// An opaque BSDF without lobes, of unknown energy.
+    pub fn new(name: impl Into<String>, make: impl Fn(&mut Probe) -> &mut Probe + 'static) -> Row {
+        let make = Box::new(move |probe: &mut Probe| _ = make(probe));
+        Row { name: name.into(), make, passes: false, index: 1.0, width: 1.0, returned: None }
+    }
+
+    /// Light comes through, to an inside of this index, 1 where it does not bend.
+    pub fn through(self, index: f64) -> Row {
+        Row { passes: true, index, ..self }
+    }
+
+    /// There is a lobe so wide.
+    pub fn lobe(self, width: f64) -> Row {
+        Row { width, ..self }
+    }
+
+    /// The share of light returned.
+    pub fn returns(self, share: impl Fn(f64) -> f64 + 'static) -> Row {
+        Row { returned: Some(Box::new(share)), ..self }
+    }
+
+    /// How far f may be off, relatively: 2e-5, or what rounded directions (6e-8 each, two of them and their half) do to
+    /// the steepest flank of the lobe, which falls by e within half its width.
+    pub fn precision(&self) -> f64 {
+        2e-5_f64.max(4e-7 / self.width)
+    }
+}
+
+/// The table. Widths of microfacets (α): 0 is smooth, 0.0016 is the least that glTF's roughness of 0.04 makes.
+pub fn rows() -> Vec<Row> {
+    let mut rows = vec![
+        Row::new("lambert", |p| p.lambert()).returns(|_| 0.5),
+        Row::new("no layer", |p| p.plastic(1.0).number(Materials::SPECULAR, 0.0).coloured()).returns(|_| 0.5),
+    ];
+    rows.extend([0.0, 0.0016, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0].map(metal));
+    rows.extend([0.0, 0.05, 0.25, 1.0].map(plastic));
+    rows.extend([0.0, 0.05, 0.25, 1.0].map(glass));
+    rows.extend([0.0, 0.05, 0.25, 1.0].map(thin));
+    rows.extend([0.0, 0.05, 0.36].map(medley));
+    rows.extend([1.0, 10.0, 100.0, 1e3, 1e4, 1e6, 2e6].map(phong));
+    rows
+}
+
+/// α as the material finds it, from the roughness that is set.
+fn widths(alpha: f64) -> (f32, f64) {
+    let roughness = alpha.sqrt() as f32;
+    (roughness, f64::from(roughness * roughness))
+}
+
+fn lobe(row: Row, alpha: f64) -> Row {
+    if alpha == 0.0 { row } else { row.lobe(alpha) }
+}
+
+fn metal(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("metal {alpha:.3}"), move |p| p.metal(roughness));
+    lobe(row, alpha).returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0])
+}
+
+/// White under a layer: what the layer reflects, and what passes it in and out again.
+fn plastic(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("plastic {alpha:.3}"), move |p| p.plastic(roughness));
+    let passing_out = gauss::<64>(0.0, 1.0, |c| (1.0 - fresnel(c, INDEX)) * 2.0 * c);
+    lobe(row, alpha).returns(move |cos| {
+        let cos = cos.abs();
+        let layer = microfacets(alpha, Masking::Separable, cos, INDEX, |c| fresnel(c, INDEX))[0];
+        layer + (1.0 - fresnel(cos, INDEX)) * passing_out
+    })
+}
+
+fn glass(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("glass {alpha:.3}"), move |p| p.glass(roughness, false)).through(INDEX);
+    lobe(row, alpha).returns(move |cos| {
+        let eta = if cos > 0.0 { INDEX } else { INDEX.recip() };
+        microfacets(alpha, Masking::Separable, cos.abs(), eta, |c| fresnel(c, eta)).iter().sum()
+    })
+}
+
+/// What passes is the mirror image of what is reflected: together they are white metal.
+fn thin(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("thin {alpha:.3}"), move |p| p.glass(roughness, true)).through(1.0);
+    lobe(row, alpha).returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0])
+}
+
+fn medley(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    lobe(Row::new(format!("medley {alpha:.3}"), move |p| p.medley(roughness)).through(INDEX), alpha)
+}
+
+/// Phong's lobe on Lambert's, mixed by luminance.
+fn phong(ns: f64) -> Row {
+    let row = Row::new(format!("phong {ns}"), move |p| p.phong(ns as f32));
+    // Luminance by Rec. 709 of the albedo that `Probe::coloured` sets.
+    let share = 1.0 / (1.0 + 0.2126 * 0.8 + 0.7152 * 0.5 + 0.0722 * 0.2);
+    // As a mirror, where the model takes it for one.
+    let lobe = move |cos: f64| if ns > 1e6 { 1.0 } else { phong_lobe(ns, cos.abs()) };
+    row.lobe(ns.max(1.0).powf(-0.5)).returns(move |cos| share * lobe(cos) + (1.0 - share) * 0.5)
+}
+
+/// Reflectance of a dielectric by its two polarisations (Fresnel 1823), f64. `cos` is the cosine where the light is, `eta`
+/// the index beyond over the index there.
+pub fn fresnel(cos: f64, eta: f64) -> f64 {
+    let sin2 = (1.0 - cos * cos) / (eta * eta);
+    if eta == 1.0 {
+        return 0.0;
+    }
+    if sin2 >= 1.0 {
+        return 1.0;
+    }
+    let t = (1.0 - sin2).sqrt();
+    let (s, p) = ((cos - eta * t) / (cos + eta * t), (eta * cos - t) / (eta * cos + t));
+    (s * s + p * p) / 2.0
+}
+
+/// Smith's joint masking of two directions.
+#[derive(Clone, Copy)]
+pub enum Masking {
+    /// The product of both, as glTF has it.
+    Separable,
+    /// Height-correlated (Heitz 2014), for tables of other renderers.
+    Correlated,
+}
+
+/// Shares of light that single scattering by GGX microfacets reflects and transmits towards a cosine `mu` > 0, without the
+/// scale of radiance; `reflectance` of the cosine at the microfacet. α = 0 is a smooth surface.
+///
+/// The integral over directions is taken over the normals h that connect them: dω cos D = da dφ / 2π where
+/// tan² = α² a / (1 − a) (Walter, Marschner, Li, Torrance 2007, equation 35), and what remains is
+/// F G (o·h) / (mu h.z).
+pub fn microfacets(alpha: f64, masking: Masking, mu: f64, eta: f64, reflectance: impl Fn(f64) -> f64) -> [f64; 2] {
+    if alpha == 0.0 {
+        return [reflectance(mu), 1.0 - reflectance(mu)];
+    }
+    let lambda = |c: f64| ((1.0 + alpha * alpha * (1.0 - c * c).max(0.0) / (c * c)).sqrt() - 1.0) / 2.0;
+    let seen = |c: f64| match masking {
+        Masking::Separable => 1.0 / ((1.0 + lambda(mu)) * (1.0 + lambda(c))),
+        Masking::Correlated => 1.0 / (1.0 + lambda(mu) + lambda(c)),
+    };
+    let sin = (1.0 - mu * mu).sqrt();
+    let share = |transmits: bool| {
+        // 1 − a = s⁴, since a narrow lobe has its tail where a is nearly 1.
+        let density = |[s, phi]: [f64; 2]| {
+            let tan2 = alpha * alpha * (s.powi(-4) - 1.0);
+            let z = (1.0 + tan2).recip().sqrt();
+            let cos = sin * (1.0 - z * z).max(0.0).sqrt() * phi.cos() + mu * z;
+            let f = reflectance(cos.clamp(0.0, 1.0));
+            let bent2 = 1.0 - (1.0 - cos * cos) / (eta * eta);
+            let height =
+                if transmits { mu / eta - (cos / eta - bent2.max(0.0).sqrt()) * z } else { 2.0 * cos * z - mu };
+            let share = if transmits { 1.0 - f } else { f };
+            if cos > 0.0 && height > 0.0 && share > 0.0 {
+                share * seen(height.min(1.0)) * cos / (mu * z) * 4.0 * s.powi(3)
+            } else {
+                0.0
+            }
+        };
+        rectangle([0.0; 2], [1.0, PI], 1e-5, density) / PI
+    };
+    [share(false), share(true)]
+}
+
+/// Share of light that Phong's corrected lobe, (ns + 2)/2π cosⁿˢ, returns towards a cosine, clipped by the horizon.
+pub fn phong_lobe(ns: f64, mu: f64) -> f64 {
+    let sin = (1.0 - mu * mu).sqrt();
+    // Around the lobe's axis the height over the horizon is x + y cos φ; half the turn of what is above 0.
+    let above = |a: f64| {
+        let cos = a.powf(1.0 / (ns + 1.0));
+        let (x, y) = (mu * cos, sin * (1.0 - cos * cos).max(0.0).sqrt());
+        let turn = if x >= y { PI } else { (-x / y).acos() };
+        x * turn + y * turn.sin()
+    };
+    // a = cos^(ns+1) makes the lobe flat; the horizon begins to cut at cos = sin.
+    let cut = sin.powf(ns + 1.0);
+    let sum = gauss::<96>(0.0, 1.0, |t| above(cut * t * t) * cut * 2.0 * t) + gauss::<96>(cut, 1.0, above);
+    sum / PI * (ns + 2.0) / (ns + 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MU: [f64; 7] = [1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.01];
+
+    /// The table of GGX with height-correlated masking and F = 1, as other renderers have it.
+    #[test]
+    fn quadrature_of_microfacets_agrees_with_the_table() {
+        let table = [
+            (0.01, [1.0, 0.99999, 0.99997, 0.99978, 0.99940, 0.99417, 0.89205]),
+            (0.05, [0.99738, 0.99701, 0.99572, 0.99261, 0.98151, 0.91128, 0.95975]),
+            (0.1, [0.98833, 0.98674, 0.98143, 0.96919, 0.93627, 0.88347, 0.97657]),
+            (0.25, [0.91581, 0.90738, 0.88534, 0.85726, 0.83791, 0.89162, 0.98198]),
+            (0.5, [0.68785, 0.68396, 0.68295, 0.69825, 0.74527, 0.86010, 0.97441]),
+            (0.75, [0.46392, 0.47669, 0.51149, 0.56462, 0.65028, 0.81071, 0.96425]),
+            (1.0, [0.30685, 0.32751, 0.37889, 0.45069, 0.56010, 0.76021, 0.95385]),
+        ];
+        for (alpha, row) in table {
+            for (mu, expected) in MU.iter().zip(row) {
+                let [found, through] = microfacets(alpha, Masking::Correlated, *mu, 1.0, |_| 1.0);
+                // The table's narrow lobes lack digits: at α = 0.01 one normal in 10,001 is beyond 45 degrees, and it has
+                // 1.00000 at normal incidence.
+                let error = if alpha < 0.2 { 2e-4 } else { 2e-5 };
+                assert!((found - expected).abs() < error && through == 0.0, "{alpha} {mu}: {found}, not {expected}");
+            }
+        }
+    }
+
+    /// At normal incidence one dimension is left: ∫ G1(2z² − 1) over the normals within 45 degrees, whatever the masking.
+    #[test]
+    fn quadrature_of_microfacets_agrees_with_one_dimension() {
+        for alpha in [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0] {
+            let most = 1.0 / (1.0 + alpha * alpha);
+            let expected = gauss::<128>(0.0, 1.0, |t| {
+                let a = most * (1.0 - t.powi(6));
+                let c = 2.0 / (1.0 + alpha * alpha * a / (1.0 - a)) - 1.0;
+                let seen = 2.0 * c / (c + (alpha * alpha + (1.0 - alpha * alpha) * c * c).sqrt());
+                seen * most * 6.0 * t.powi(5)
+            });
+            for masking in [Masking::Separable, Masking::Correlated] {
+                let [found, _] = microfacets(alpha, masking, 1.0, 1.0, |_| 1.0);
+                assert!((found - expected).abs() < 5e-6, "{alpha}: {found}, not {expected}");
+            }
+            assert!(alpha < 1.0 || (expected - (1.0 - 2f64.ln())).abs() < 1e-9, "{expected}");
+        }
+    }
+
+    #[test]
+    fn quadrature_of_phong_agrees_with_the_table() {
+        let table = [
+            (1.0, [1.0, 0.90954, 0.75009, 0.60900, 0.48274, 0.36990, 0.32333]),
+            (10.0, [1.0, 0.90001, 0.70031, 0.50474, 0.32527, 0.17916, 0.12811]),
+            (100.0, [1.0, 0.9, 0.7, 0.5, 0.30003, 0.10821, 0.04499]),
+            (1e3, [1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.01824]),
+            (1e4, [1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.01083]),
+        ];
+        for (ns, row) in table {
+            for (mu, expected) in MU.iter().zip(row) {
+                let found = phong_lobe(ns, *mu);
+                assert!((found - expected).abs() < 2e-5, "{ns} {mu}: {found}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn averages_of_fresnel_are_known() {
+        let average = |eta: f64| {
+            let critical = (1.0 - (eta * eta).min(1.0)).sqrt();
+            // A square root begins at the critical angle: c = critical + (1 - critical) t².
+            let above = gauss::<64>(0.0, 1.0, |t| {
+                let c = critical + (1.0 - critical) * t * t;
+                fresnel(c, eta) * 2.0 * c * (1.0 - critical) * 2.0 * t
+            });
+            above + critical * critical
+        };
+        // Walsh's closed form (1926), and what follows from it for the other side.
+        assert!((average(1.5) - 0.091_777_959_3).abs() < 1e-9, "{}", average(1.5));
+        assert!((average(1.0 / 1.5) - 0.596_345_759_7).abs() < 1e-9, "{}", average(1.0 / 1.5));
+    }
+}

@@ -1,0 +1,144 @@
+//! T12, N12: Fresnel's factor and Snell's law against f64.
+
+use jerboa_ir::lang::{F32, Fun, entry};
+use jerboa_lib_render::bsdf::dielectric::refract;
+use jerboa_lib_render::core::fresnel::{fresnel_dielectric, refracted_cos};
+use jerboa_lib_render::core::vec::Vec3;
+
+use jerboa_tests::harness::bench::{Bench, Random, number};
+use jerboa_tests::harness::probe::{at_cos, dot};
+use jerboa_tests::harness::scattering::fresnel;
+
+fn bench() -> Bench {
+    Bench::new(|| {
+        entry("fresnel", Fun::lam(|_, (cos, eta): (F32, F32)| fresnel_dielectric(cos, eta)));
+        entry("cosine", Fun::lam(|_, (cos, eta): (F32, F32)| refracted_cos(cos, eta)));
+        entry("refract", Fun::lam(|_, (wo, n, eta): (Vec3, Vec3, F32)| refract(wo, n, eta)));
+    })
+}
+
+/// Cosine from which on light gets out of the denser medium.
+fn critical(eta: f64) -> f64 {
+    (1.0 - (eta * eta).min(1.0)).sqrt()
+}
+
+/// Indices on both sides of 1: water, glass, diamond, air at another height, and nothing at all.
+const INDICES: [f32; 9] = [1.5, 1.0 / 1.5, 1.33, 0.75, 2.42, 1.0 / 2.42, 1.0003, 0.9997, 1.0];
+
+/// How far reflectance may be off at a cosine: what its rounded input costs next to the critical angle. The bound is that of
+/// glass; light polarised in the plane of incidence changes faster by 1/η² into a denser medium yet.
+fn allowed(cos: f64, eta: f64) -> f64 {
+    let steep = (1.0 / (2.25 * eta * eta)).max(1.0);
+    5e-7_f64.max(1.5e-7 * steep / (cos - critical(eta)).abs().sqrt())
+}
+
+/// Cosines of all kinds for an index: even, tiny, at Brewster's angle, and around the critical one.
+fn cosines(eta: f32, random: &mut Random) -> Vec<f32> {
+    let count = number("JERBOA_COSINES", 20_000);
+    let edge = critical(f64::from(eta));
+    let mut cosines = vec![0.0, f32::MIN_POSITIVE, 1e-30, 1e-7, 1e-4, 0.01, 1.0, (1.0 + eta * eta).sqrt().recip()];
+    for off in [0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+        cosines.extend([edge - off, edge + off].map(|c| c.clamp(0.0, 1.0) as f32));
+    }
+    cosines.extend([(edge as f32).next_up().min(1.0), (edge as f32).next_down().max(0.0)]);
+    cosines.extend((0..count).map(|i| match i % 4 {
+        0 | 1 => random.uniform() as f32,
+        2 => (-20.0 * random.uniform()).exp() as f32,
+        _ => (edge + (random.uniform() - 0.5) * (-16.0 * random.uniform()).exp()).clamp(0.0, 1.0) as f32,
+    }));
+    cosines
+}
+
+#[test]
+fn reflectance_is_exact_to_its_conditioning() {
+    let mut random = Random::new(0x12);
+    let mut bench = bench();
+    let mut worst = (0.0, 0.0);
+    for eta in INDICES {
+        for cos in cosines(eta, &mut random) {
+            let r = f64::from(bench.run_floats("fresnel", &[cos, eta])[0]);
+            let expected = fresnel(f64::from(cos), f64::from(eta));
+            let allowed = allowed(f64::from(cos), f64::from(eta));
+            assert!((0.0..=1.0).contains(&r), "{cos} {eta}: {r}");
+            assert!((r - expected).abs() <= allowed, "{cos} {eta}: {r}, not {expected}");
+            let error = ((r - expected).abs() / allowed, (r - expected).abs());
+            worst = if error.0 > worst.0 { error } else { worst };
+            // The usual form reflects everything at grazing angles of an interface that is none.
+            assert!(eta != 1.0 || r <= 1e-7, "{cos}: {r}");
+        }
+    }
+    println!("{:.2} of what is allowed, {:.1e}", worst.0, worst.1);
+}
+
+#[test]
+fn spot_values_are_met() {
+    let mut bench = bench();
+    // f64, from both polarisations; Brewster's angle reflects half of the other polarisation alone.
+    let inside = 1.0 / 1.5;
+    let table: [(f64, f64, f64); 11] = [
+        (1.5, 1.0, 0.04),
+        (1.5, 0.5, 0.089_186_713),
+        (1.5, 0.1, 0.571_592_52),
+        (1.5, 0.01, 0.943_752_543),
+        (1.5, 1e-4, 0.999_418_816),
+        (inside, 1.0, 0.04),
+        (inside, 0.9, 0.046_332_648),
+        (inside, 0.75, 0.5),
+        (inside, 0.7454, 0.932_140_569),
+        (inside, 0.5, 1.0),
+        (1.5, 3.25f64.sqrt().recip(), 0.073_964_497),
+    ];
+    for (eta, cos, expected) in table {
+        assert!((fresnel(cos, eta) - expected).abs() < 2e-9, "{eta} {cos}: {}", fresnel(cos, eta));
+        let (c, e) = (cos as f32, eta as f32);
+        let (r, expected) = (f64::from(bench.run_floats("fresnel", &[c, e])[0]), fresnel(f64::from(c), f64::from(e)));
+        assert!((r - expected).abs() <= allowed(cos, eta), "{eta} {cos}: {r}, not {expected}");
+    }
+}
+
+/// Averages over a diffuse illumination: Walsh's closed form (1926), and what follows from it for the other side.
+#[test]
+fn cosine_averages_are_met() {
+    let mut bench = bench();
+    for (eta, expected) in [(1.5f32, 0.091_777_96), (1.0 / 1.5, 0.596_345_76)] {
+        let n = number("JERBOA_COSINES", 20_000) as u32;
+        let mut sum = 0.0;
+        for i in 0..n {
+            // Even in the square of the cosine, which is what the cosine weighs.
+            let cos = ((f64::from(i) + 0.5) / f64::from(n)).sqrt();
+            sum += f64::from(bench.run_floats("fresnel", &[cos as f32, eta])[0]);
+        }
+        let mean = sum / f64::from(n);
+        assert!((mean - expected).abs() < 1e-5, "{eta}: {mean}, not {expected}");
+    }
+}
+
+#[test]
+fn refraction_follows_snell() {
+    let mut random = Random::new(0x13);
+    let mut bench = bench();
+    let normal = [0.0, 0.0, 1.0];
+    for eta in INDICES {
+        for cos in cosines(eta, &mut random).into_iter().step_by(10) {
+            let wo = at_cos(f64::from(cos));
+            let edge = critical(f64::from(eta));
+            let bent = f64::from(bench.run_floats("cosine", &[cos, eta])[0]);
+            let sin2 = (1.0 - f64::from(cos).powi(2)) / f64::from(eta).powi(2);
+            // A square root of what is left of 1: conditioned like Fresnel's factor.
+            let allowed = allowed(f64::from(cos), f64::from(eta));
+            assert!((bent - (1.0 - sin2).max(0.0).sqrt()).abs() <= allowed, "{cos} {eta}: {bent}");
+            if f64::from(cos) <= edge {
+                continue;
+            }
+            let args = [wo[0], wo[1], wo[2], 0.0, 0.0, 1.0, eta];
+            let f = bench.run_floats("refract", &args);
+            let wi = [f[0], f[1], f[2]];
+            assert!((dot(wi, wi) - 1.0).abs() < 4e-7 && dot(wi, normal) <= 0.0, "{cos} {eta}: {wi:?}");
+            for i in 0..2 {
+                // Opposite sides, sines as the indices.
+                let expected = -f64::from(wo[i]) / f64::from(eta);
+                assert!((f64::from(wi[i]) - expected).abs() < 4e-7 + allowed, "{cos} {eta}: {wi:?}");
+            }
+        }
+    }
+}
