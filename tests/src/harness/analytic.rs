@@ -293,7 +293,7 @@ mod tests {
         // The icosahedron's: (3 √3 + √15) / 12 of an edge, an edge 4 / √(10 + 2 √5).
         let edge = 4.0 / (10.0 + 2.0 * 5_f64.sqrt()).sqrt();
         assert!((inradius(&sphere(0)) - edge * (3.0 * 3_f64.sqrt() + 15_f64.sqrt()) / 12.0).abs() < 1e-6);
-        assert!(inradius(&sphere(4)) > 0.999);
+        assert!(inradius(&sphere(4)) > 0.9988);
     }
 
     #[test]
