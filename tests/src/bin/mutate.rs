@@ -176,8 +176,8 @@ impl Suite {
     fn first_red(&mut self, m: &Mutation) -> Result<Option<(String, String)>, String> {
         let mut targets = self.targets.clone();
         let far = |t: &Target| match m.closest() {
-            Some(name) => t.name != name,
-            None => t.folder != m.folder(),
+            [] => t.folder != m.folder(),
+            closest => !closest.contains(&t.name.as_str()),
         };
         let seconds = |t: &Target| self.seconds.get(&t.name).copied().unwrap_or(0.0);
         let examples = |t: &Target| t.folder.is_empty();

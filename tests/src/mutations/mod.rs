@@ -37,10 +37,11 @@ impl Mutation {
         self.file.split('/').next().unwrap_or_default()
     }
 
-    /// The target whose tests look at this file most closely, if they are not those of its own crate: what stages is tested
+    /// The targets whose tests look at this file most closely, if they are not those of its own crate: what stages is tested
     /// through machine code.
-    pub fn closest(&self) -> Option<&'static str> {
-        components::MUTATIONS.iter().any(|m| m.name == self.name).then_some("tests/components")
+    pub fn closest(&self) -> &'static [&'static str] {
+        let is_component = components::MUTATIONS.iter().any(|m| m.name == self.name);
+        if is_component { &["tests/components", "tests/scattering"] } else { &[] }
     }
 
     /// The file's text with the mistake behind its switch, or why there is no such text.
