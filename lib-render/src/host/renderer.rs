@@ -102,8 +102,8 @@ pub struct Stats {
     pub time: Duration,
 }
 
-/// Side of a tile in pixels: small enough that cancelling takes little, large enough that a pass over it costs far more
-/// than starting it.
+/// Side of a tile in pixels: a pass over one of its rows is little enough to wait for when a render is cancelled, and costs far
+/// more than starting it.
 const TILE: u32 = 16;
 
 /// Most samples of a pixel in one pass over a tile. The first passes are shorter, so that a render that is ended early has
@@ -162,13 +162,12 @@ impl Renderer {
             let passes: Vec<Option<TileResult>> = tiles
                 .par_iter()
                 .map(|window| {
-                    if handle.is_cancelled() {
-                        return Ok(None);
-                    }
                     let pass = Pass { size, window: *window, sample: job.sample + first, samples, seed: job.seed };
-                    let tile = self.tile(camera, &pass)?;
-                    handle.done.fetch_add(window.area() as u64 * u64::from(samples), Ordering::Relaxed);
-                    Ok(Some(tile))
+                    let tile = self.tile(camera, &pass, handle)?;
+                    if tile.is_some() {
+                        handle.done.fetch_add(window.area() as u64 * u64::from(samples), Ordering::Relaxed);
+                    }
+                    Ok(tile)
                 })
                 .collect::<Result<_, Error>>()?;
             let whole = passes.iter().all(Option::is_some);
@@ -187,20 +186,31 @@ impl Renderer {
         Ok(stats)
     }
 
-    /// One pass over a tile: run the kernel over its items and sum what it leaves.
-    fn tile(&self, camera: &Camera, pass: &Pass) -> Result<TileResult, Error> {
+    /// One pass over a tile, row by row; none if the render was cancelled meanwhile.
+    fn tile(&self, camera: &Camera, pass: &Pass, handle: &Handle) -> Result<Option<TileResult>, Error> {
+        let mut out = TileResult { film: Film::new(pass.window), closest: 0, shadow: 0 };
+        for y in pass.window.y..pass.window.y + pass.window.height {
+            if handle.is_cancelled() {
+                return Ok(None);
+            }
+            self.row(camera, &Pass { window: Window { y, height: 1, ..pass.window }, ..*pass }, &mut out)?;
+        }
+        Ok(Some(out))
+    }
+
+    /// One pass over a row of a tile, so few rays that cancelling need not end it (accuracy.md, N22): run the kernel over its
+    /// items and add what it leaves.
+    fn row(&self, camera: &Camera, pass: &Pass, out: &mut TileResult) -> Result<(), Error> {
         let items = pass.window.area() * pass.samples as usize;
         let samples = self.samples(camera, pass)?;
-        let mut out = TileResult { film: Film::new(pass.window), closest: 0, shadow: 0 };
         let column = |c: usize, i: usize| samples[c * items + i];
         for i in 0..items {
-            let pixel = i as u32 / pass.samples;
-            let at = [pass.window.x + pixel % pass.window.width, pass.window.y + pixel / pass.window.width];
+            let at = [pass.window.x + i as u32 / pass.samples, pass.window.y];
             out.film.add(at, [0, 1, 2].map(|c| f32::from_bits(column(c, i))));
             out.closest += u64::from(column(3, i));
             out.shadow += u64::from(column(4, i));
         }
-        Ok(out)
+        Ok(())
     }
 
     /// What the kernel leaves for each sample of a pass: the words of the stream [`Samples`], column by column.
