@@ -110,8 +110,10 @@ impl Default for LightProbe {
                 Fun::lam(move |b, (rng, point): (Rng, vec::Vec3)| {
                     let light = sample_light(b, rng, point);
                     let up = vec::vec3(0.0, 1.0, 0.0);
-                    let shadow =
-                        spawn_shadow_ray(SurfaceElement { point, primitive: NONE.into(), ..surface(up, up) }, light);
+                    let shadow = spawn_shadow_ray(
+                        SurfaceElement { point, start: point, primitive: NONE.into(), ..surface(up, up) },
+                        light,
+                    );
                     (light, traverse.call(b, (shadow, Keep(true.into()), accept())).is_hit())
                 }),
             );
