@@ -53,7 +53,8 @@ pub struct EmissionSample {
     pub cos: F32,
     /// Density of the point, per square metre, choice of the light included.
     pub pdf_area: F32,
-    /// Density of the direction, per steradian.
+    /// Density of the direction, per steradian; 0 where rounding put the ray on the rim of the hemisphere, `cos` is 0 too, and it
+    /// carries nothing.
     pub pdf_dir: F32,
 }
 impl_staged!(EmissionSample { pos, dir, intensity, cos, pdf_area, pdf_dir });

@@ -149,7 +149,8 @@ impl Default for LightProbe {
                 Fun::lam(|b, (rng, index): (Rng, U32)| {
                     with_light(b, index, |b, light| {
                         let e = light.sample_emission.call(b, rng);
-                        let carried: Color = e.intensity * (e.cos / (e.pdf_area * e.pdf_dir));
+                        let share = e.pdf_dir.gt(0.0).select(e.cos / (e.pdf_area * e.pdf_dir), 0.0.into());
+                        let carried: Color = e.intensity * share;
                         (e.dir, carried.g)
                     })
                 }),
