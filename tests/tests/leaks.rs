@@ -114,3 +114,17 @@ fn nothing_comes_through_a_closed_wall() {
     }
     assert!(leaks.is_empty(), "of {paths} paths see light:\n{}", leaks.join("\n"));
 }
+
+/// The free setting, which the matched references have, is not held to that: a smooth normal may send a path through the
+/// facet. Flat walls do not leak there either.
+#[test]
+fn free_normals_leak_where_they_are_smooth() {
+    let paths = number("JERBOA_PATHS", 20_000);
+    for (name, wall, material) in rooms() {
+        let is_smooth = wall.normals.is_some() && name != "black smooth sphere";
+        let view = cameras(&wall).swap_remove(0).1;
+        let lit = lit(&renderer(&room(wall, material), false), &view, paths);
+        println!("{name}, free normals: {lit} of {paths} paths see light");
+        assert_eq!(lit > 0, is_smooth, "{name}: {lit} of {paths}");
+    }
+}

@@ -104,7 +104,7 @@ fn other_formulas_have_holes() {
 }
 
 /// N15: u, v, t and the point of a hit against f64, on triangles whose altitudes are a quarter of their longest side or
-/// more, from no farther than their size and at 6 degrees or more.
+/// more, from no farther than their size and at 14 degrees or more: errors grow with the reciprocals of both.
 #[test]
 fn hits_are_accurate() {
     let mut random = Random::new(0x5eed_000e);
@@ -151,7 +151,7 @@ fn exact(org: V, dir: V, t: Triangle) -> Option<[f64; 3]> {
     let (e1, e2, e3) = (sub(t[1], t[0]), sub(t[2], t[0]), sub(t[2], t[1]));
     let normal = cross(e1, e2);
     let longest = length(e1).max(length(e2)).max(length(e3));
-    if length(normal) < 0.25 * longest * longest || dot(normal, d).abs() < 0.1 * length(normal) * length(d) {
+    if length(normal) < 0.25 * longest * longest || dot(normal, d).abs() < 0.25 * length(normal) * length(d) {
         return None;
     }
     let (p, s) = (cross(d, e2), sub(o, t[0]));
