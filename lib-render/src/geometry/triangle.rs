@@ -62,7 +62,7 @@ impl Triangle {
     /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| for the point itself (pbrt, 4th ed.,
     /// 6.8.5), and `HIT_ERROR` of the longest edge for how well a ray that starts there can tell where this plane is. Then
     /// where rays leave it: the point, moved towards the centroid until it is inside of all three sides whatever was
-    /// rounded, by `INWARD` of the triangle and half of γ7 Σ |w p|, which is seldom reached.
+    /// rounded, by `INWARD` of the triangle and a quarter of γ7 Σ |w p|, which is some roundings.
     pub fn point(self) -> (Vec3, Vec3, Vec3) {
         let at = self.positions();
         let point = self.blend(at);
@@ -71,7 +71,7 @@ impl Triangle {
         let size = (at[1] - at[0]).abs().zip((at[2] - at[0]).abs(), F32::max).max_element();
         let [e1, e2] = self.edges();
         let thin = (1.0 / e1.cross(e2).abs().max_element()).min(MOST_THIN);
-        let inward = (error.max_element() / size * 0.5 + INWARD).min(1.0 / 3.0);
+        let inward = (error.max_element() / size * 0.25 + INWARD).min(1.0 / 3.0);
         let to_corners = (at[0] - point) + (at[1] - point) + (at[2] - point);
         (point, error.map(|e| e + size * thin * HIT_ERROR), point + to_corners * inward)
     }

@@ -249,7 +249,7 @@ fn blocked(bench: &mut Bench, random: &mut Random, triangles: &[Triangle], n: u3
     let floor = triangles[0];
     (0..n)
         .map(|i| {
-            let (u, v) = (0.5 * random.uniform() as f32, 0.5 * random.uniform() as f32);
+            let [u, v] = [0; 2].map(|_| 0.01 + 0.48 * random.uniform() as f32);
             let aim = [0, 1, 2].map(|k| floor[0][k] * (1.0 - u - v) + floor[1][k] * u + floor[2][k] * v);
             let org = [aim[0], aim[1], aim[2] - 1.0];
             let args = [&ray(org, [0.0, 0.0, 1.0])[..], &stream(random.bits() as u32)].concat();
