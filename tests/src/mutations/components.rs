@@ -112,11 +112,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         mistake: "the slab test has no bound on its rounding: misses at edges (Rodent; Ize 2013)",
     },
     Mutation {
-        name: "nan-closes-the-box",
+        name: "small-directions-clamped",
         file: "lib-render/src/traverse/bvh.rs",
-        before: "entry.z.max(entry.y.max(entry.x.max(0.0)))",
-        after: "F32::from(0.0).max(entry.x).max(entry.y).max(entry.z)",
-        mistake: "the operands of min and max are in the other order: a ray in the plane of a side misses the box",
+        before: "ray.dir.map(|d| 1.0 / d)",
+        after: "ray.dir.map(|d| 1.0 / d.abs().max(1.2e-7).copysign(d))",
+        mistake: "the inverse of a small component is that of 1.2e-7 (obvhs: 14 % of raw directions miss at scale 1e-6)",
     },
     Mutation {
         name: "triangles-are-one-sided",
