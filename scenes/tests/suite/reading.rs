@@ -302,3 +302,10 @@ fn files_beside_the_scene() {
         assert_eq!(scene.triangle_count(), 1);
     }
 }
+
+#[test]
+fn the_last_vertex_is_one_below_their_number() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let error = load(&document(&corners, &[0, 1, 3])).unwrap_err().to_string();
+    assert!(error.contains('3') && error.contains("3 vertices"), "{error}");
+}
