@@ -94,3 +94,33 @@ fn normals_and_tangents_stay_with_their_surface() {
         }
     }
 }
+
+/// N16: the product of the first corner's edges is the normal to some roundings, whichever corner of a needle comes first.
+#[test]
+fn normals_of_needles_keep_their_digits() {
+    for (width, first) in [1e-2f32, 1e-4, 1e-6].into_iter().flat_map(|width| (0..3).map(move |first| (width, first))) {
+        let a = Vec3::new(0.3, 0.2, 0.1);
+        let corners = [a, a + Vec3::new(0.0, width, 0.6 * width), a + Vec3::new(0.61, 0.37, 0.83)];
+        let mesh = Mesh {
+            positions: (0..3).map(|i| corners[(first + i) % 3]).collect(),
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let scene = Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance { mesh: 0, to_world: DAffine3::IDENTITY }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        };
+        let tables = tables(&scene);
+        let place = |i| vector(&tables, [Vertices::X, Vertices::Y, Vertices::Z], word(&tables, i, 0));
+        let [p, q, r] = [Primitives::I0, Primitives::I1, Primitives::I2].map(place);
+        let [x, y, z] = [p, q, r].map(Vec3::as_dvec3);
+        let truth = (y - x).cross(z - x).normalize();
+        // As `Triangle::face_normal` has it.
+        let (e1, e2) = (q - p, r - p);
+        let scale = e1.abs().max_element().max(e2.abs().max_element());
+        let normal = (e1 / scale).cross(e2 / scale).as_dvec3().normalize();
+        assert!(normal.distance(truth) < 4e-7, "{width}, {first}: off by {}", normal.distance(truth));
+    }
+}

@@ -74,6 +74,7 @@ impl Geometry {
         let mirrored = to_world.matrix3.determinant() < 0.0;
         for [a, b, c] in &mesh.triangles {
             let corners = if mirrored { [*a, *c, *b] } else { [*a, *b, *c] };
+            let corners = longest_side_last(corners, &positions);
             self.triangles.push(corners.map(|i| positions[i as usize].to_array()));
             self.corners.push(corners.map(|i| first + i));
             self.geometry_of.push(geometry);
@@ -162,6 +163,22 @@ impl Attributes {
                 |t: &Vec4| (to_world * t.truncate().as_dvec3()).normalize_or_zero().as_vec3().extend(t.w * sign as f32);
             self.tangents.extend(tangents.iter().map(world));
         }
+    }
+}
+
+/// The corners turned so that the first is opposite the longest side. Kernels take the product of the two edges that start
+/// there: of the shortest pair, rounding is least (N16). Of a needle it would turn the normal by 2^-24 of its length over
+/// its width if both edges were long.
+fn longest_side_last(corners: [u32; 3], positions: &[Vec3]) -> [u32; 3] {
+    let [a, b, c] = corners;
+    let side = |i: u32, j: u32| positions[i as usize].as_dvec3().distance_squared(positions[j as usize].as_dvec3());
+    let (ab, bc, ca) = (side(a, b), side(b, c), side(c, a));
+    if ab > bc && ab >= ca {
+        [c, a, b]
+    } else if ca > bc {
+        [b, c, a]
+    } else {
+        corners
     }
 }
 
