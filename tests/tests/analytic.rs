@@ -54,6 +54,26 @@ fn direct_light_has_its_closed_form() {
     all_agree(&direct(), 1 << 12, 2e-3);
 }
 
+/// Roulette at the first scattering already changes no mean, though a floor of metal in white paint mirrors a part of the
+/// sky and mixes the rest: which paths survive must not depend on the lobe that sent them.
+#[test]
+fn roulette_changes_no_mean() {
+    let paths = paths(1 << 14);
+    println!("{paths} paths, seeds {SEED} and {}", SEED + 1);
+    for closed in direct().iter().filter(|c| c.scene.environment.is_some()) {
+        let mut scene = closed.scene.clone();
+        scene.materials.iter_mut().for_each(|m| (m.metallic, m.roughness) = (0.5, 0.3));
+        let mean = |rr_depth: Option<u32>, seed: u32| {
+            let choices = Choices { max_depth: closed.max_depth, rr_depth, ..Choices::default() };
+            estimate(&renderer(&scene, choices), &closed.looks[0].0, paths, seed)
+        };
+        let (with, without) = (mean(Some(1), SEED), mean(None, SEED + 1));
+        let error = with.error.hypot(without.error);
+        println!("{}: {with:?}, {without:?}", closed.name);
+        assert!((with.mean - without.mean).abs() <= 4.0 * error, "{}", closed.name);
+    }
+}
+
 /// The same by paths that find emitters only by chance: what light sampling and its weights must add up to.
 #[test]
 fn without_light_sampling_it_is_the_same() {
