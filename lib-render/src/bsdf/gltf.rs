@@ -7,8 +7,9 @@
 //!   `specular_color` and scaled by `specular`. With `specular` 0 there is no layer: roughness 1 is exactly Lambert.
 //! - Diffuse: base/π · (1 − F(cos wi)) (1 − F(cos wo)), F the layer's factor: reciprocal and never above 1 in all. (glTF's
 //!   own 1 − F(wo·h) returns up to twice the light at grazing angles.)
-//! - Refraction: GGX, base · (1 − F(wo·h)), F of the same microfacet. Thin walls (no volume) pass the mirror image of the
-//!   reflection instead, unbent, and look alike from both sides.
+//! - Refraction: GGX, base · (1 − F), F of the same microfacet by its cosines to wo and to wi: reciprocal also next to total
+//!   reflection. An index within 1e-3 of 1 counts as 1.001 where the interface is rough. Thin walls (no volume) pass the
+//!   mirror image of the reflection instead, unbent, and look alike from both sides.
 //! - Metal: GGX reflection with Schlick's factor, F0 = base, F90 = 1. Single scattering, separable Smith masking.
 //! - Reflection and refraction are perfectly smooth where `smooth`: then f and pdf hold the diffuse part alone.
 //! - World frame. f is relative to the cosine of the shading normal; below the surface only refraction is not 0; with
@@ -23,10 +24,10 @@ use jerboa_ir::lang::{Block, Bool, F32};
 use crate::bsdf::dielectric::{refract, refraction};
 use crate::bsdf::diffuse::{diffuse_is_seen, diffuse_pdf, sample_diffuse};
 use crate::bsdf::frame::{Side, bend_ratio, reflect, shading_cos};
-use crate::bsdf::rough::{Facet, Rough};
+use crate::bsdf::rough::{Facet, Rough, bending};
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
 use crate::core::color::{Color, black};
-use crate::core::fresnel::{fresnel_dielectric, fresnel_normal, fresnel_schlick, refracted_cos};
+use crate::core::fresnel::{fresnel_dielectric, fresnel_normal, fresnel_passed, fresnel_schlick, refracted_cos};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec3, vec2, vec3};
 use crate::geometry::SurfaceElement;
@@ -85,6 +86,17 @@ struct Value {
 }
 impl_staged!(Value { f, pdf });
 
+/// What the dielectric layer does with light at some angle.
+#[derive(Clone, Copy)]
+struct Layer {
+    /// Share reflected.
+    reflected: Color,
+    /// Share that passes, the same in all channels, so that what lies under it keeps its colour: 1 less the largest
+    /// channel of `reflected`, without cancellation.
+    passed: F32,
+}
+impl_staged!(Layer { reflected, passed });
+
 /// What a microfacet does with light at some angle.
 #[derive(Clone, Copy)]
 struct Split {
@@ -129,40 +141,52 @@ impl GltfValues {
         self.has_transmission.select(self.transmission, 0.0.into())
     }
 
-    /// Fresnel's factor of the layer; `eta` is the index beyond over the index before it.
-    fn layer(self, b: &mut Block, cos: F32, eta: F32) -> Color {
+    /// Fresnel's factor of the layer, coloured; `eta` is the index beyond over the index before it, `passed` the share that
+    /// an interface without colour lets through at this angle.
+    fn layer(self, b: &mut Block, cos: F32, passed: F32, eta: F32) -> Layer {
         b.if_(
             self.has_specular,
             |_| {
                 let f0 = fresnel_normal(self.ior);
-                // How far from normal to grazing: what remains when f0 is tinted.
+                // How far from normal to grazing, and from grazing to normal: what remains when f0 is tinted.
                 let k = ((fresnel_dielectric(cos, eta) - f0) / (1.0 - f0)).max(0.0);
                 let k = f0.lt(1.0).select(k, 1.0.into());
-                self.specular_color.map(|tint| {
-                    let f0 = (f0 * tint).min(1.0);
-                    self.specular * (f0 + (1.0 - f0) * k)
-                })
+                let rest = f0.lt(1.0).select((passed / (1.0 - f0)).min(1.0), 0.0.into());
+                let f0 = self.specular_color.map(|tint| (f0 * tint).min(1.0));
+                Layer {
+                    reflected: f0.map(|f0| self.specular * (f0 + (1.0 - f0) * k)),
+                    passed: (1.0 - self.specular) + self.specular * ((1.0 - f0.max_channel()) * rest),
+                }
             },
-            |_| black(),
+            |_| Layer { reflected: black(), passed: 1.0.into() },
         )
     }
 
-    /// What a microfacet at this angle does.
-    fn split(self, b: &mut Block, cos: F32, eta: F32) -> Split {
-        let layer = self.layer(b, cos, eta);
-        let reflected =
-            b.if_(self.has_metal, |_| layer.lerp(fresnel_schlick(self.base, cos), self.metallic), |_| layer);
+    /// What a microfacet does at this angle, given by the cosines on both sides.
+    fn split(self, b: &mut Block, cos: F32, beyond: F32, eta: F32) -> Split {
+        let passed = fresnel_passed(cos, beyond, eta);
+        let layer = self.layer(b, cos, passed, eta);
+        let reflected = b.if_(
+            self.has_metal,
+            |_| layer.reflected.lerp(fresnel_schlick(self.base, cos), self.metallic),
+            |_| layer.reflected,
+        );
         let (refracted, choice) = b.if_(
             self.has_transmission,
             |_| {
-                let share = (1.0 - layer.max_channel()) * (1.0 - self.metal_share()) * self.transmission;
+                let share = layer.passed * (1.0 - self.metal_share()) * self.transmission;
                 // A weak layer does not take all of what is totally reflected; the rest has nowhere to go.
-                let refracted = refracted_cos(cos, eta).gt(0.0).select(self.base * share, black());
+                let refracted = passed.gt(0.0).select(self.base * share, black());
                 (refracted, share_of(reflected.max_channel(), refracted.max_channel()))
             },
             |_| (black(), F32::from(1.0)),
         );
         Split { reflected, refracted, choice }
+    }
+
+    /// [`GltfValues::split`] where one cosine is known.
+    fn split_at(self, b: &mut Block, cos: F32, eta: F32) -> Split {
+        self.split(b, cos, refracted_cos(cos, eta), eta)
     }
 }
 
@@ -183,6 +207,8 @@ struct View {
     normal: Vec3,
     /// Index beyond the interface over the index before it.
     eta: F32,
+    /// Indices before and beyond the interface of a solid.
+    indices: (F32, F32),
     /// Probability of sampling a microfacet rather than diffuse reflection.
     facets: F32,
     /// Share of light that passes the layer towards wo.
@@ -194,12 +220,15 @@ impl View {
         let side = Side::new(surf, wo);
         let normal = side.bent_normal(wo);
         let solid = values.has_transmission & !values.thin;
-        let eta = solid.select(side.eta(values.ior), values.ior);
+        // Fresnel's factor and the way light is bent are those of one index.
+        let ior = (solid & !values.smooth).select(bending(values.ior), values.ior);
+        let eta = solid.select(side.eta(ior), ior);
+        let indices = side.outside.select((F32::from(1.0), ior), (ior, 1.0.into()));
         let passes = passing(b, values, side.normal.dot(wo).abs(), eta);
         let facets = b.if_(
             values.has_facets() & values.has_diffuse,
             |b| {
-                let Split { reflected, refracted, .. } = values.split(b, normal.dot(wo), eta);
+                let Split { reflected, refracted, .. } = values.split_at(b, normal.dot(wo), eta);
                 // A tenth of the largest possible reflection: f may be above 0 where this angle reflects nothing.
                 let most = values.has_specular.select(values.specular, 0.0.into()).max(values.metal_share());
                 let facets = reflected.max_channel() * 0.9 + most * 0.1 + refracted.max_channel();
@@ -207,7 +236,7 @@ impl View {
             },
             |_| values.has_facets().select(F32::from(1.0), 0.0.into()),
         );
-        View { surf, values, wo, side, normal, eta, facets, passes }
+        View { surf, values, wo, side, normal, eta, indices, facets, passes }
     }
 
     /// f and pdf of everything that is not perfectly specular.
@@ -251,14 +280,18 @@ impl View {
         let ratio = bend_ratio(local.z, shading_cos(self.surf, wi));
         let reflection = |b: &mut Block| {
             let Facet { cos, f, pdf } = rough.reflection(local);
-            let split = values.split(b, cos, self.eta);
+            let split = values.split_at(b, cos, self.eta);
             let f = self.side.reflects(wi).select(split.reflected * (f * ratio), black());
             Value { f, pdf: pdf * split.choice * self.facets }
         };
         let refraction = |b: &mut Block| {
-            let facet = b.if_(values.thin, |_| rough.passage(local), |_| rough.refraction(local, self.eta));
+            let passage = |_: &mut Block| {
+                let facet = rough.passage(local);
+                (facet, refracted_cos(facet.cos, self.eta))
+            };
+            let (facet, beyond) = b.if_(values.thin, passage, |_| rough.refraction(local, self.indices));
             let Facet { cos, f, pdf } = facet;
-            let split = values.split(b, cos, self.eta);
+            let split = values.split(b, cos, beyond, self.eta);
             let f = self.side.transmits(wi).select(split.refracted * (f * ratio), black());
             Value { f, pdf: pdf * (1.0 - split.choice) * self.facets }
         };
@@ -306,7 +339,7 @@ impl View {
     fn sample_smooth(self, b: &mut Block, rng: Rng) -> BsdfSample {
         let (values, side) = (self.values, self.side);
         let (u, _) = rng.next();
-        let split = values.split(b, self.normal.dot(self.wo), self.eta);
+        let split = values.split_at(b, self.normal.dot(self.wo), self.eta);
         b.if_(
             values.has_transmission & u.ge(split.choice),
             |b| {
@@ -337,7 +370,7 @@ impl View {
         let (local, height) = b.if_(
             values.has_transmission,
             |b| {
-                let split = values.split(b, rough.wo.dot(h), self.eta);
+                let split = values.split_at(b, rough.wo.dot(h), self.eta);
                 let behind = |b: &mut Block| {
                     let through = vec3(mirrored.x, mirrored.y, -mirrored.z);
                     let local = b.if_(values.thin, |_| through, |_| rough.refracted(h, self.eta));
@@ -351,9 +384,10 @@ impl View {
     }
 }
 
-/// Share of light that passes the layer at this angle, the same in all channels: diffuse keeps its colour.
+/// Share of light that passes the layer at this angle.
 fn passing(b: &mut Block, values: GltfValues, cos: F32, eta: F32) -> F32 {
-    1.0 - values.layer(b, cos, eta).max_channel()
+    let passed = fresnel_passed(cos, refracted_cos(cos, eta), eta);
+    values.layer(b, cos, passed, eta).passed
 }
 
 fn nothing() -> Value {

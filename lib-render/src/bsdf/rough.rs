@@ -1,7 +1,10 @@
 //! A rough interface: reflection and refraction by GGX microfacets, without Fresnel's factor.
 //!
-//! - Parameters: α ≥ 1e-3; the index ratio `eta` (far side over near side) for refraction.
+//! - Parameters: α ≥ 1e-3; for refraction the indices on both sides, away from each other ([`bending`]).
 //! - f per steradian, pdf per steradian with visible normals; local frame around the bent shading normal.
+//! - Reciprocal to the bit, but for the scale of radiance: nothing is found from one direction that the other would round
+//!   otherwise. wo·h of a reflection is half the length of wo + wi, accurate also where that is nearly 0; a refraction
+//!   hands out the cosines on both sides.
 //! - Source: Walter, Marschner, Li, Torrance 2007, equations 20 and 21; radiance form as Pharr, Jakob, Humphreys 2023,
 //!   section 9.7; separable Smith masking as glTF 2.0, appendix B.3.
 
@@ -14,7 +17,7 @@ use crate::core::microfacet::{ggx_d, ggx_g1_over_cos, ggx_sample_visible};
 use crate::core::vec::{Vec2, Vec3, vec3};
 use crate::geometry::Frame3;
 
-/// The least ratio of indices, over 1, that bends a ray: below it the microfacet that refracts wo to wi is lost in rounding.
+/// The least index, over 1, that bends a ray: below it the microfacet that refracts wo to wi is lost in rounding.
 const LEAST_BEND: f32 = 1e-3;
 
 /// A rough interface seen from wo.
@@ -59,33 +62,35 @@ impl Rough {
         reflect(self.wo, h)
     }
 
-    /// Where the microfacet refracts wo to.
+    /// Where the microfacet refracts wo to; `eta` is the index beyond over the index here.
     pub fn refracted(self, h: Vec3, eta: F32) -> Vec3 {
-        refract(self.wo, h, bending(eta))
+        refract(self.wo, h, eta)
     }
 
     /// Reflection to wi (local).
     pub fn reflection(self, wi: Vec3) -> Facet {
-        let h = (self.wo + wi).normalize();
-        // D G1(wo) / (4 cos_o): the cosines of masking and of f cancel, so nothing is divided by one.
-        let pdf = ggx_d(h, self.alpha) * ggx_g1_over_cos(self.wo.z, self.alpha) * 0.25;
-        let facet = Facet { cos: self.wo.dot(h), f: pdf * ggx_g1_over_cos(wi.z, self.alpha), pdf };
-        wi.z.gt(0.0).select(facet, nothing())
+        let half = self.wo + wi;
+        let length = half.length();
+        // The cosines of masking and of f cancel, so nothing is divided by one.
+        let (o, i) = (ggx_g1_over_cos(self.wo.z, self.alpha), ggx_g1_over_cos(wi.z, self.alpha));
+        let d = ggx_d(half / length, self.alpha) * 0.25;
+        wi.z.gt(0.0).select(Facet { cos: length * 0.5, f: d * (o * i), pdf: d * o }, nothing())
     }
 
-    /// Refraction to wi (local). f contains 1/eta², as radiance does.
-    pub fn refraction(self, wi: Vec3, eta: F32) -> Facet {
-        let eta = bending(eta);
-        let half = self.wo + wi * eta;
+    /// Refraction to wi (local), and its cosine to the microfacet. f contains 1/eta², as radiance does. The indices are
+    /// those of the media of wo and of wi.
+    pub fn refraction(self, wi: Vec3, (here, beyond): (F32, F32)) -> (Facet, F32) {
+        let half = self.wo * here + wi * beyond;
+        let length2 = half.length2();
         // On the near side, whichever medium is denser.
-        let h = (half / half.length()) * F32::from(1.0).copysign(half.z);
-        let (o, i) = (self.wo.dot(h), -wi.dot(h));
-        let root = o - eta * i;
-        let visible = ggx_d(h, self.alpha) * ggx_g1_over_cos(self.wo.z, self.alpha) * o;
-        let squeeze = i / (root * root);
-        let f = visible * ggx_g1_over_cos(-wi.z, self.alpha) * squeeze;
-        let connects = wi.z.lt(0.0) & o.gt(0.0) & i.gt(0.0);
-        connects.select(Facet { cos: o, f, pdf: visible * squeeze * (eta * eta) }, nothing())
+        let h = (half / length2.sqrt()) * F32::from(1.0).copysign(half.z);
+        let (cos, cos_beyond) = (self.wo.dot(h), -wi.dot(h));
+        let (o, i) = (ggx_g1_over_cos(self.wo.z, self.alpha), ggx_g1_over_cos(-wi.z, self.alpha));
+        // Walter's root, here · cos − beyond · cos_beyond, is the length of the half vector.
+        let d = ggx_d(h, self.alpha) * (cos * cos_beyond / length2);
+        let facet = Facet { cos, f: d * (o * i) * (here * here), pdf: d * o * (beyond * beyond) };
+        let connects = wi.z.lt(0.0) & cos.gt(0.0) & cos_beyond.gt(0.0);
+        connects.select((facet, cos_beyond), (nothing(), 0.0.into()))
     }
 
     /// Through a thin wall to wi (local): the mirror image of reflection, unbent.
@@ -99,7 +104,7 @@ fn nothing() -> Facet {
     Facet { cos: zero, f: zero, pdf: zero }
 }
 
-/// The ratio of indices, kept away from 1.
-fn bending(eta: F32) -> F32 {
-    (eta - 1.0).abs().lt(LEAST_BEND).select((1.0 + LEAST_BEND).into(), eta)
+/// The index of an inside, kept away from 1.
+pub fn bending(ior: F32) -> F32 {
+    (ior - 1.0).abs().lt(LEAST_BEND).select((1.0 + LEAST_BEND).into(), ior)
 }

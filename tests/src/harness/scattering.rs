@@ -3,7 +3,6 @@
 //! To add a BSDF, add a way to set it up to [`Probe`], and a family of rows to [`rows`], with the parameters at which it is
 //! extreme. A row is a name and the set-up; what it does not claim stays as [`Row::new`] made it:
 //! - [`Row::through`], if light comes through, with the index of the inside where it bends there;
-//! - [`Row::lobe`], if f has a lobe: how wide it is says how well f can be known when directions are rounded;
 //! - [`Row::returns`], the share of light that comes back in the green channel, by a calculation in f64 that shares
 //!   nothing with the renderer; [`microfacets`] and [`phong_lobe`] are such calculations.
 //!
@@ -38,17 +37,15 @@ pub struct Row {
     pub passes: bool,
     /// Index of the inside over the outside where light bends on its way in, else 1: f / index² is reciprocal.
     pub index: f64,
-    /// Width of the narrowest lobe, radians.
-    pub width: f64,
     /// Share of light from everywhere that is returned towards a cosine (negative: inside); green.
     pub returned: Option<Box<dyn Fn(f64) -> f64>>,
 }
 
 impl Row {
-    /// An opaque BSDF without lobes, of unknown energy.
+    /// An opaque BSDF of unknown energy.
     pub fn new(name: impl Into<String>, make: impl Fn(&mut Probe) -> &mut Probe + 'static) -> Row {
         let make = Box::new(move |probe: &mut Probe| _ = make(probe));
-        Row { name: name.into(), make, passes: false, index: 1.0, width: 1.0, returned: None }
+        Row { name: name.into(), make, passes: false, index: 1.0, returned: None }
     }
 
     /// Light comes through, to an inside of this index, 1 where it does not bend.
@@ -56,20 +53,9 @@ impl Row {
         Row { passes: true, index, ..self }
     }
 
-    /// There is a lobe so wide.
-    pub fn lobe(self, width: f64) -> Row {
-        Row { width, ..self }
-    }
-
     /// The share of light returned.
     pub fn returns(self, share: impl Fn(f64) -> f64 + 'static) -> Row {
         Row { returned: Some(Box::new(share)), ..self }
-    }
-
-    /// How far f may be off, relatively: 2e-5, or what rounded directions (6e-8 each, two of them and their half) do to
-    /// the steepest flank of the lobe, which falls by e within half its width.
-    pub fn precision(&self) -> f64 {
-        2e-5_f64.max(4e-7 / self.width)
     }
 }
 
@@ -94,14 +80,10 @@ fn widths(alpha: f64) -> (f32, f64) {
     (roughness, f64::from(roughness * roughness))
 }
 
-fn lobe(row: Row, alpha: f64) -> Row {
-    if alpha == 0.0 { row } else { row.lobe(alpha) }
-}
-
 fn metal(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let row = Row::new(format!("metal {alpha:.3}"), move |p| p.metal(roughness));
-    lobe(row, alpha).returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0])
+    row.returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0])
 }
 
 /// White under a layer: what the layer reflects, and what passes it in and out again.
@@ -109,7 +91,7 @@ fn plastic(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let row = Row::new(format!("plastic {alpha:.3}"), move |p| p.plastic(roughness));
     let passing_out = gauss::<64>(0.0, 1.0, |c| (1.0 - fresnel(c, INDEX)) * 2.0 * c);
-    lobe(row, alpha).returns(move |cos| {
+    row.returns(move |cos| {
         let cos = cos.abs();
         let layer = microfacets(alpha, Masking::Separable, cos, INDEX, |c| fresnel(c, INDEX))[0];
         layer + (1.0 - fresnel(cos, INDEX)) * passing_out
@@ -119,7 +101,7 @@ fn plastic(alpha: f64) -> Row {
 fn glass(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let row = Row::new(format!("glass {alpha:.3}"), move |p| p.glass(roughness, false)).through(INDEX);
-    lobe(row, alpha).returns(move |cos| {
+    row.returns(move |cos| {
         let eta = if cos > 0.0 { INDEX } else { INDEX.recip() };
         microfacets(alpha, Masking::Separable, cos.abs(), eta, |c| fresnel(c, eta)).iter().sum()
     })
@@ -129,12 +111,12 @@ fn glass(alpha: f64) -> Row {
 fn thin(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let row = Row::new(format!("thin {alpha:.3}"), move |p| p.glass(roughness, true)).through(1.0);
-    lobe(row, alpha).returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0])
+    row.returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0])
 }
 
 fn medley(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
-    lobe(Row::new(format!("medley {alpha:.3}"), move |p| p.medley(roughness)).through(INDEX), alpha)
+    Row::new(format!("medley {alpha:.3}"), move |p| p.medley(roughness)).through(INDEX)
 }
 
 /// Phong's lobe on Lambert's, mixed by luminance.
@@ -144,7 +126,7 @@ fn phong(ns: f64) -> Row {
     let share = 1.0 / (1.0 + 0.2126 * 0.8 + 0.7152 * 0.5 + 0.0722 * 0.2);
     // As a mirror, where the model takes it for one.
     let lobe = move |cos: f64| if ns > 1e6 { 1.0 } else { phong_lobe(ns, cos.abs()) };
-    row.lobe(ns.max(1.0).powf(-0.5)).returns(move |cos| share * lobe(cos) + (1.0 - share) * 0.5)
+    row.returns(move |cos| share * lobe(cos) + (1.0 - share) * 0.5)
 }
 
 /// Reflectance of a dielectric by its two polarisations (Fresnel 1823), f64. `cos` is the cosine where the light is, `eta`

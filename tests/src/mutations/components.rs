@@ -28,8 +28,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "smith-is-height-correlated",
         file: "lib-render/src/bsdf/rough.rs",
-        before: "pdf * ggx_g1_over_cos(wi.z, self.alpha)",
-        after: "{ let [o, i] = [self.wo.z, wi.z].map(|c| c * ggx_g1_over_cos(c, self.alpha)); pdf * (i / wi.z) / (o + i - o * i) }",
+        before: "f: d * (o * i), ",
+        after: "f: { let [go, gi] = [self.wo.z * o, wi.z * i]; d * (o * i) / (go + gi - go * gi) }, ",
         mistake: "height-correlated instead of separable Smith masking, which glTF's text asks for",
     },
     Mutation {

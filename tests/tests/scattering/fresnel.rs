@@ -2,7 +2,7 @@
 
 use jerboa_ir::lang::{F32, Fun, entry};
 use jerboa_lib_render::bsdf::dielectric::refract;
-use jerboa_lib_render::core::fresnel::{fresnel_dielectric, refracted_cos};
+use jerboa_lib_render::core::fresnel::{fresnel_dielectric, fresnel_passed, refracted_cos};
 use jerboa_lib_render::core::vec::Vec3;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
@@ -12,6 +12,7 @@ use jerboa_tests::harness::scattering::fresnel;
 fn bench() -> Bench {
     Bench::new(|| {
         entry("fresnel", Fun::lam(|_, (cos, eta): (F32, F32)| fresnel_dielectric(cos, eta)));
+        entry("passed", Fun::lam(|_, (c, beyond, eta): (F32, F32, F32)| fresnel_passed(c, beyond, eta)));
         entry("cosine", Fun::lam(|_, (cos, eta): (F32, F32)| refracted_cos(cos, eta)));
         entry("refract", Fun::lam(|_, (wo, n, eta): (Vec3, Vec3, F32)| refract(wo, n, eta)));
     })
@@ -68,6 +69,30 @@ fn reflectance_is_exact_to_its_conditioning() {
         }
     }
     println!("{:.2} of what is allowed, {:.1e}", worst.0, worst.1);
+}
+
+/// Relatively, even where next to nothing passes: that is what both cosines are for. From both sides the same.
+#[test]
+fn what_passes_is_exact() {
+    let mut random = Random::new(0x14);
+    let mut bench = bench();
+    let mut worst = 0.0_f64;
+    for eta in INDICES {
+        for cos in cosines(eta, &mut random) {
+            let (c, e) = (f64::from(cos), f64::from(eta));
+            let beyond = (e * e - 1.0 + c * c).max(0.0).sqrt() / e;
+            let sides = [[cos, beyond as f32, eta], [beyond as f32, cos, 1.0 / eta]];
+            for x in sides.map(|args| f64::from(bench.run_floats("passed", &args)[0])) {
+                let expected = if beyond == 0.0 && eta != 1.0 { 0.0 } else { 1.0 - fresnel(c, e) };
+                let error = (x - expected).abs();
+                // 1 − F itself is known to 1e-15; it goes with the square root of the distance from the critical angle.
+                let allowed = 1e-6 * expected + 1e-15;
+                assert!(error <= allowed, "{cos} {eta}: {x}, not {expected}");
+                worst = worst.max(error / allowed);
+            }
+        }
+    }
+    println!("{worst:.2} of what is allowed");
 }
 
 #[test]
