@@ -1,7 +1,8 @@
 //! The functions of the math library, one row each, and how they are measured (T18).
 //!
-//! A row of [`FUNCTIONS`] adds a function to all of its tests: [`sweep`] over arguments spread over all bit patterns,
-//! [`exhaust`] over every one of them (the command `sweep`), and [`special`], which compares special values on every engine.
+//! A row of [`FUNCTIONS`] adds a function to all of its tests: [`Function::sweep`] over arguments spread over all bit
+//! patterns, [`Function::exhaust`] over every one of them (the command `sweep`), and [`Function::special`], which compares
+//! special values on every engine.
 
 use jerboa_ir::Lit;
 use jerboa_ir::lang::{F32, build};

@@ -1,7 +1,7 @@
 //! The verification harness: how a staged component is asked questions from outside, and how its answers are judged.
 //!
 //! - [`analytic`]: scenes whose radiance has a closed form, rendered and compared.
-//! - [`bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
+//! - [`mod@bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
 //!   interpreted.
 //! - [`sweep`]: kernels that loop, for millions of questions to one function.
 //! - [`lights`]: lights of a whole scene, asked for choices, samples and densities; and the table of them.
