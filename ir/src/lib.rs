@@ -135,6 +135,7 @@ pub mod stats;
 pub mod dom;
 pub mod loops;
 pub mod cfg;
+pub mod structure;
 pub mod schedule;
 pub mod hash;
 
