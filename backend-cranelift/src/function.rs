@@ -85,6 +85,15 @@ struct Hidden {
     area: Option<Value>,
 }
 
+/// A row of a buffer or an element of a local array, as an index gives it.
+#[derive(Clone, Copy)]
+enum Row {
+    /// Row 0.
+    First,
+    /// Any.
+    At(Value),
+}
+
 struct Emitter<'a> {
     unit: &'a Unit<'a>,
     f: &'a Function,
@@ -210,10 +219,15 @@ impl Emitter<'_> {
             Node::Pack(elems) => elems.iter().map(|x| self.scalar(*x)).collect(),
             Node::Lane { vector, lane } => vec![self.lane(*vector, *lane as usize)],
             Node::Read { column, index } => {
-                let place = self.clamped(*column, *index);
                 // A reference is stored as its index.
                 let scalar = p.column(*column).ty.ty().as_scalar().unwrap_or(Scalar::U32);
-                vec![memory::load(&mut self.b, scalar, &place, MemFlagsData::trusted().with_readonly())]
+                let lanes = p.ty(id).lanes().map_or(1, |(_, lanes)| lanes);
+                let rows = self.rows(*index, lanes);
+                let load = |row| {
+                    let place = self.clamped(*column, row);
+                    memory::load(&mut self.b, scalar, &place, MemFlagsData::trusted().with_readonly())
+                };
+                rows.into_iter().map(load).collect()
             }
             other => return Err(format!("it computes {other:?} at {}", p.locs[id.index()])),
         };
@@ -381,11 +395,11 @@ impl Emitter<'_> {
                 switch.emit(&mut self.b, index, default);
             }
             Body::Load { mem, index, next } => {
-                let value = self.load(mem, *index, *next)?;
-                self.go_to(self.target(*next), &[value]);
+                let values = self.load(mem, *index, *next)?;
+                self.go_to(self.target(*next), &values);
             }
-            Body::Store { mem, index, value, next } => {
-                self.store(mem, *index, *value)?;
+            Body::Store { mem, index, value, mask, next } => {
+                self.store(mem, *index, *value, *mask)?;
                 self.go_to(self.target(*next), &[]);
             }
             Body::Local { len, next, .. } => {
@@ -401,53 +415,87 @@ impl Emitter<'_> {
         Ok(())
     }
 
-    fn load(&mut self, mem: &Mem, index: NodeId, next: NodeId) -> Result<Value, String> {
-        let next = self.unit.program.cont(self.target(next));
-        let scalar = next.params.first().and_then(|p| p.ty.as_scalar()).ok_or("a load gives no scalar")?;
+    /// The lanes that a load gives.
+    fn load(&mut self, mem: &Mem, index: NodeId, next: NodeId) -> Result<Vec<Value>, String> {
+        let loaded = self.unit.program.loaded(next).and_then(|ty| ty.lanes());
+        let (scalar, lanes) = loaded.ok_or("a load gives no data")?;
+        self.rows(index, lanes).into_iter().map(|row| self.load_lane(mem, scalar, row)).collect()
+    }
+
+    fn load_lane(&mut self, mem: &Mem, scalar: Scalar, row: Row) -> Result<Value, String> {
         let mut flags = MemFlagsData::trusted();
         let place = match mem {
-            Mem::Stream(column) => self.clamped(*column, index),
+            Mem::Stream(column) => self.clamped(*column, row),
             Mem::Unchecked(column) => {
                 flags = flags.with_readonly();
-                let index = self.scalar(index);
-                self.buffers.unchecked(&mut self.b, *column, index)
+                let row = self.row(row);
+                self.buffers.unchecked(&mut self.b, *column, row)
             }
             Mem::Local(x) => {
-                let (local, index) = (self.local(*x)?, self.scalar(index));
-                local.clamped(&mut self.b, index)
+                let (local, row) = (self.local(*x)?, self.row(row));
+                local.clamped(&mut self.b, row)
             }
         };
         Ok(memory::load(&mut self.b, scalar, &place, flags))
     }
 
-    /// The word of a row, or of the last one.
-    fn clamped(&mut self, column: Column, index: NodeId) -> Place {
-        if self.unit.program.as_lit(index) == Some(Lit::U32(0)) {
-            return self.buffers.first(column);
-        }
-        let index = self.scalar(index);
-        self.buffers.clamped(&mut self.b, column, index)
+    /// The row of each lane of an access: of a vector of indices its own, of a run the next one.
+    fn rows(&mut self, index: NodeId, lanes: usize) -> Vec<Row> {
+        let own = self.unit.program.ty(index).lanes().is_some_and(|(_, n)| n > 1);
+        (0..lanes)
+            .map(|lane| match lane {
+                0 if self.unit.program.as_lit(index) == Some(Lit::U32(0)) => Row::First,
+                _ if own => Row::At(self.lane(index, lane)),
+                0 => Row::At(self.scalar(index)),
+                _ => {
+                    let first = self.scalar(index);
+                    Row::At(self.b.ins().iadd_imm_u(first, lane as i64))
+                }
+            })
+            .collect()
     }
 
-    /// Stores, unless the index is out of range.
-    fn store(&mut self, mem: &Mem, index: NodeId, value: NodeId) -> Result<(), String> {
-        let scalar = self.unit.program.ty(value).as_scalar().ok_or("it stores what is no scalar")?;
-        let (index, value) = (self.scalar(index), self.scalar(value));
-        let rows = match mem {
-            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.rows(column.buf),
-            Mem::Local(x) => self.local(*x)?.len(&mut self.b),
-        };
-        let (inside, after) = (self.b.create_block(), self.b.create_block());
-        let fits = self.b.ins().icmp(IntCC::UnsignedLessThan, index, rows);
-        self.b.ins().brif(fits, inside, &[], after, &[]);
-        self.b.switch_to_block(inside);
-        let place = match mem {
-            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.unchecked(&mut self.b, *column, index),
-            Mem::Local(x) => self.local(*x)?.unchecked(&mut self.b, index),
-        };
-        memory::store(&mut self.b, scalar, &place, value);
-        self.b.ins().jump(after, &[]);
-        self.b.switch_to_block(after);
+    /// The number of a row.
+    fn row(&mut self, row: Row) -> Value {
+        match row {
+            Row::First => self.b.ins().iconst(types::I32, 0),
+            Row::At(row) => row,
+        }
+    }
+
+    /// The word of a row, or of the last one.
+    fn clamped(&mut self, column: Column, row: Row) -> Place {
+        match row {
+            Row::First => self.buffers.first(column),
+            Row::At(row) => self.buffers.clamped(&mut self.b, column, row),
+        }
+    }
+
+    /// Stores, unless the index is out of range; of a vector the lanes under the mask.
+    fn store(&mut self, mem: &Mem, index: NodeId, value: NodeId, mask: NodeId) -> Result<(), String> {
+        let (scalar, lanes) = self.unit.program.ty(value).lanes().ok_or("it stores what is no data")?;
+        for (lane, row) in self.rows(index, lanes).into_iter().enumerate() {
+            let (row, value) = (self.row(row), self.lane(value, lane));
+            let rows = match mem {
+                Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.rows(column.buf),
+                Mem::Local(x) => self.local(*x)?.len(&mut self.b),
+            };
+            let (inside, after) = (self.b.create_block(), self.b.create_block());
+            let mut fits = self.b.ins().icmp(IntCC::UnsignedLessThan, row, rows);
+            if mask != NodeId::NONE {
+                let active = self.lane(mask, lane);
+                fits = self.b.ins().band(fits, active);
+            }
+            self.b.ins().brif(fits, inside, &[], after, &[]);
+            self.b.switch_to_block(inside);
+            let place = match mem {
+                Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.unchecked(&mut self.b, *column, row),
+                Mem::Local(x) => self.local(*x)?.unchecked(&mut self.b, row),
+            };
+            memory::store(&mut self.b, scalar, &place, value);
+            self.b.ins().jump(after, &[]);
+            self.b.switch_to_block(after);
+        }
         Ok(())
     }
 

@@ -10,6 +10,7 @@
 mod eval;
 mod heap;
 mod machine;
+mod memory;
 
 use std::fmt;
 

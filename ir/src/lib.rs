@@ -96,6 +96,9 @@
 //! | pure node | a value without a place |
 //! | table | a buffer that kernels only read; a row of it is a value with a class |
 //! | stream | a buffer that kernels read and write |
+//! | gather, scatter | a load, a store of a vector, each lane at an index of its own |
+//! | run | a load or store of a vector in rows that follow each other |
+//! | mask | which lanes of a vector are stored |
 //! | class | rows of a table that agree in every known column |
 //! | binding time | structure, value or bulk: at which level of knowledge a column is known |
 //! | generic program | as authors write it; higher-order |

@@ -14,6 +14,7 @@
 //!     jump return(1.0)
 //! ```
 //!
+//! A store of a vector has its mask behind `when`: `store s.x i v when m -> next`.
 //! A filter `true` is `@`, `false` is nothing. Names are the authors' hints, made unique within a function; lines without
 //! a hint are numbered in print order, per function. Nesting shows scope and means nothing by itself: the parser reads
 //! names only. A node stands in the innermost continuation around its users, whatever engine computes it where.
@@ -185,8 +186,9 @@ impl Printer<'_> {
             }
             Body::Dispatch { row, arm } => format!("dispatch {} -> {}", op(row), op(arm)),
             Body::Load { mem: m, index, next } => format!("load {} {} -> {}", mem(m), op(index), op(next)),
-            Body::Store { mem: m, index, value, next } => {
-                format!("store {} {} {} -> {}", mem(m), op(index), op(value), op(next))
+            Body::Store { mem: m, index, value, mask, next } => {
+                let when = if *mask == NodeId::NONE { String::new() } else { format!(" when {}", op(mask)) };
+                format!("store {} {} {}{when} -> {}", mem(m), op(index), op(value), op(next))
             }
             Body::Local { scalar, len, next } => format!("local {} {len} -> {}", scalar.name(), op(next)),
         }

@@ -73,7 +73,8 @@ pub enum Node {
         /// Which component.
         index: u32,
     },
-    /// What a table holds. Total: the index is clamped to the last row. `index` is a `u32` or a row of the same table.
+    /// What a table holds. Total: the index is clamped to the last row. `index` is a `u32`, a row of the same table, or a
+    /// vector of `u32`, which gathers a vector of scalars.
     Read {
         /// What is read; the buffer is a table.
         column: Column,
@@ -95,7 +96,7 @@ pub enum Node {
 }
 
 impl NodeId {
-    /// No node: an unused operand of [`Node::Prim`].
+    /// No node: an unused operand of [`Node::Prim`], the mask of a scalar [`Body::Store`].
     pub const NONE: NodeId = NodeId(u32::MAX);
 
     /// Place in a dense side table.
@@ -226,12 +227,18 @@ pub enum Mode {
     Later,
 }
 
-/// Memory that a placed load or store touches.
+/// Memory that a placed load or store touches: a word, or the words of a vector.
+///
+/// The types say which. An index of `u32` and a scalar value: one word. A vector of `u32` and a vector of as many lanes:
+/// lane by lane, at the index of each (a *gather*, a *scatter*; where indices are equal, the last lane's value stays).
+/// A `u32` and a vector: a *run* of rows from that index on, where lane l is at index + l, wrapping. Clamping and dropping
+/// is per lane.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Mem {
     /// A column of a stream. Loads clamp the index, stores out of range are dropped.
     Stream(Column),
-    /// A column of a table whose indices were validated when the scene was loaded: `read_unchecked`, loads only.
+    /// A column of a table whose indices were validated when the scene was loaded: `read_unchecked`, loads only. The index
+    /// of each lane must be in range.
     Unchecked(Column),
     /// A local array (a node of type [`crate::TyKind::Local`]). Loads clamp, stores out of range are dropped.
     Local(NodeId),
@@ -277,23 +284,25 @@ pub enum Body {
         /// `fn(row)`.
         arm: NodeId,
     },
-    /// Load a scalar and pass it to `next`.
+    /// Load a scalar or a vector and pass it to `next`, whose parameter says which.
     Load {
         /// From where.
         mem: Mem,
-        /// A `u32`.
+        /// A `u32` or a vector of them.
         index: NodeId,
         /// `fn(value)`.
         next: NodeId,
     },
-    /// Store a scalar and go on in `next`.
+    /// Store a scalar or a vector and go on in `next`.
     Store {
         /// Where to; never [`Mem::Unchecked`].
         mem: Mem,
-        /// A `u32`.
+        /// A `u32` or a vector of them.
         index: NodeId,
         /// The value.
         value: NodeId,
+        /// Which lanes are stored: a `bool` for each lane of a vector; [`NodeId::NONE`] for a scalar.
+        mask: NodeId,
         /// `fn()`.
         next: NodeId,
     },
@@ -444,6 +453,14 @@ impl Program {
         Ty::func(&self.cont(id).params.iter().map(|p| p.ty).collect::<Vec<_>>())
     }
 
+    /// What a load that goes on in `next` gives: the type of the one parameter.
+    pub fn loaded(&self, next: NodeId) -> Option<Ty> {
+        match self.ty(next).params() {
+            Some([ty]) => Some(*ty),
+            _ => None,
+        }
+    }
+
     /// The literal, if the node is one.
     pub fn as_lit(&self, id: NodeId) -> Option<Lit> {
         match self.node(id) {
@@ -499,10 +516,13 @@ impl Body {
                 f(*index);
                 f(*next)
             }
-            Body::Store { mem: m, index, value, next } => {
+            Body::Store { mem: m, index, value, mask, next } => {
                 mem(m, f);
                 f(*index);
                 f(*value);
+                if *mask != NodeId::NONE {
+                    f(*mask);
+                }
                 f(*next)
             }
             Body::Local { next, .. } => f(*next),

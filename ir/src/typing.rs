@@ -1,7 +1,7 @@
 //! The type of a node from the types of its operands: one rule per kind of node.
 
 use crate::program::*;
-use crate::ty::{Ty, TyKind};
+use crate::ty::{Scalar, Ty, TyKind};
 
 /// The type of `node`, or what is wrong with its operands. The operands are nodes of `p`.
 pub fn type_of(p: &Program, node: &Node) -> Result<Ty, String> {
@@ -43,9 +43,16 @@ pub fn type_of(p: &Program, node: &Node) -> Result<Ty, String> {
                 return Err(format!("`{}` is a stream; load from it", buffer.name));
             }
             let ty = p.ty(*index);
-            match ty == Ty::u32() || ty == Ty::row(column.buf) {
-                true => Ok(decl.ty.ty()),
-                false => Err(format!("`{}` is read at a u32 or a row of it, not at {ty}", buffer.name)),
+            if ty == Ty::row(column.buf) {
+                return Ok(decl.ty.ty());
+            }
+            match (ty.lanes(), decl.ty) {
+                (Some((Scalar::U32, 1)), _) => Ok(decl.ty.ty()),
+                (Some((Scalar::U32, lanes)), ColTy::Scalar(s)) => Ok(Ty::vector(s, lanes)),
+                (Some((Scalar::U32, _)), ColTy::Ref(_)) => {
+                    Err(format!("`{}.{}` holds rows, of which there are no vectors", buffer.name, decl.name))
+                }
+                _ => Err(format!("`{}` is read at a u32, a vector of them or a row of it, not at {ty}", buffer.name)),
             }
         }
         Node::Row { table, index } => {

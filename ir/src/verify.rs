@@ -15,6 +15,7 @@
 //! | `switch` | the index is a `u32`; numbers ascend; arms take nothing |
 //! | `dispatch` | the arm takes one row of that table |
 //! | `memory` | streams are loaded and stored, tables only loaded (unchecked); index, value and `next` fit |
+//! | `mask` | a store of a vector has a `bool` for each lane; a store of a scalar has no mask |
 //! | `array` | a local array has elements and is not passed to a return, which would outlive it |
 //! | `scope` | a value is used only where it is made |
 //!

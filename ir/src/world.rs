@@ -10,6 +10,7 @@ use crate::lit::Lit;
 use crate::op::Op;
 use crate::program::*;
 use crate::ty::{Ty, TyKind};
+use crate::typing::type_of;
 
 /// Builds a [`Program`]. Node constructors panic with the author's line when the types do not fit: that is a mistake of
 /// the program's author, never of a scene.
@@ -163,18 +164,16 @@ impl World {
         }
     }
 
-    /// What a table holds in this column, of the row at a `u32` index or of a row of this table.
+    /// What a table holds in this column, of the row at a `u32` index or of a row of this table; of the rows at a vector
+    /// of indices, a vector.
     ///
     /// # Panics
-    /// When the buffer is a stream or the index is neither.
+    /// When the buffer is a stream or the index is none of these.
     #[track_caller]
     pub fn read(&mut self, column: Column, index: NodeId, loc: Loc) -> NodeId {
-        let buffer = self.program.buffer(column.buf);
-        assert!(matches!(buffer.kind, BufKind::Table { .. }), "{loc}: {} is a stream; load from it", buffer.name);
-        let fits = self.program.ty(index) == Ty::u32() || self.program.ty(index) == Ty::row(column.buf);
-        assert!(fits, "{loc}: {} is read at {}", buffer.name, self.program.ty(index));
-        let ty = self.program.column(column).ty.ty();
-        self.node(Node::Read { column, index }, ty, loc)
+        let read = Node::Read { column, index };
+        let ty = type_of(&self.program, &read).unwrap_or_else(|why| panic!("{loc}: {why}"));
+        self.node(read, ty, loc)
     }
 
     /// The row of a table at a `u32` index.

@@ -134,7 +134,11 @@ fn memory_clamps_loads_drops_stores_and_faults_where_unchecked() {
     let (stored, _) = cont(&mut w, "stored", Role::Rest, &[]);
     let (loaded, l) = cont(&mut w, "loaded", Role::Rest, &[Ty::f32()]);
     let (next, after) = (w.cont_value(stored), w.cont_value(loaded));
-    w.set_body(f, Body::Store { mem: Mem::Stream(column(stream)), index: p[0], value: read, next }, HERE);
+    w.set_body(
+        f,
+        Body::Store { mem: Mem::Stream(column(stream)), index: p[0], value: read, mask: NodeId::NONE, next },
+        HERE,
+    );
     w.set_body(stored, Body::Load { mem: Mem::Stream(column(stream)), index: p[0], next: after }, HERE);
     jump(&mut w, loaded, p[1], &[read, l[0]]);
     let (check, c) = cont(&mut w, "check", Role::Fun, &[Ty::u32(), Ty::func(&[Ty::f32()])]);
@@ -166,7 +170,11 @@ fn local_arrays_are_zero_each_time() {
     w.set_body(made, Body::Load { mem: Mem::Local(a[0]), index: p[0], next: after_load }, HERE);
     let one = u(&mut w, 1);
     let more = w.prim(Op::Add, &[l[0], one], HERE);
-    w.set_body(loaded, Body::Store { mem: Mem::Local(a[0]), index: p[0], value: more, next: after_store }, HERE);
+    w.set_body(
+        loaded,
+        Body::Store { mem: Mem::Local(a[0]), index: p[0], value: more, mask: NodeId::NONE, next: after_store },
+        HERE,
+    );
     w.set_body(stored, Body::Load { mem: Mem::Local(a[0]), index: p[0], next: p[1] }, HERE);
     let interp = Interp::new(w.program());
     for (index, expected) in [(0, 1), (0, 1), (2, 1), (3, 0)] {

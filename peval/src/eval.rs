@@ -182,7 +182,11 @@ impl Machine<'_> {
             ColTy::Scalar(_) => match self.facts.scalar(column, class) {
                 Some(lit) => {
                     self.used.add(fold);
-                    Value::Data(self.world.lit(lit))
+                    let (lit, lanes) = (self.world.lit(lit), self.world.program().ty(index).lanes());
+                    Value::Data(match lanes {
+                        Some((_, lanes)) if lanes > 1 => self.world.pack(&vec![lit; lanes], loc),
+                        _ => lit,
+                    })
                 }
                 None => Value::Data(self.world.read(column, index, loc)),
             },

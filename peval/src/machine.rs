@@ -161,18 +161,19 @@ impl<'a> Machine<'a> {
             Body::Load { mem, index, next } => {
                 let (mem, index) = (self.mem(*mem, f), self.data(*index, f));
                 let next_value = self.eval(*next, f);
-                let ty = p.ty(*next).params().map_or(Ty::u32(), |params| params[0]);
+                let ty = p.loaded(*next).expect("the verifier lets only a load with one value through here");
                 let (rest, value) = self.rest(next_value, ty, loc);
                 self.leave(Body::Load { mem, index, next: rest.1 }, loc);
                 self.at = rest.0;
                 Ok(Step::Call(next_value, vec![value], Mode::Filter))
             }
-            Body::Store { mem, index, value, next } => {
+            Body::Store { mem, index, value, mask, next } => {
                 let (mem, index) = (self.mem(*mem, f), self.data(*index, f));
                 let value = self.data(*value, f);
+                let mask = if *mask == NodeId::NONE { *mask } else { self.data(*mask, f) };
                 let next_value = self.eval(*next, f);
                 let rest = self.block(next_value, Role::Rest, vec![], loc);
-                self.leave(Body::Store { mem, index, value, next: rest.1 }, loc);
+                self.leave(Body::Store { mem, index, value, mask, next: rest.1 }, loc);
                 self.at = rest.0;
                 Ok(Step::Call(next_value, vec![], Mode::Filter))
             }

@@ -66,8 +66,9 @@ fn renamed(body: &Body, new: &dyn Fn(NodeId) -> NodeId) -> Body {
         },
         Body::Dispatch { row, arm } => Body::Dispatch { row: new(*row), arm: new(*arm) },
         Body::Load { mem: m, index, next } => Body::Load { mem: mem(m), index: new(*index), next: new(*next) },
-        Body::Store { mem: m, index, value, next } => {
-            Body::Store { mem: mem(m), index: new(*index), value: new(*value), next: new(*next) }
+        Body::Store { mem: m, index, value, mask, next } => {
+            let mask = if *mask == NodeId::NONE { *mask } else { new(*mask) };
+            Body::Store { mem: mem(m), index: new(*index), value: new(*value), mask, next: new(*next) }
         }
         Body::Local { scalar, len, next } => Body::Local { scalar: *scalar, len: *len, next: new(*next) },
     }

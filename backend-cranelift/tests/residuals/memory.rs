@@ -203,3 +203,22 @@ fn arrays_beyond_the_stack_are_an_error() {
         assert!(error.to_string().contains("hungry") && error.to_string().contains("local arrays"), "{error}");
     }
 }
+
+#[test]
+fn lanes_load_unchecked() {
+    for (index, at) in [("u32x4", &[6u32, 0, 3, 6][..]), ("u32", &[3]), ("u32", &[0])] {
+        let p = residual(&format!(
+            "table t by rows
+  pad: u32 bulk
+  x: f32 bulk
+entry f = f
+fun f(at: {index}, return: fn(f32x4))
+  load unchecked t.x at -> got
+  rest got(x: f32x4)
+  jump return(x)
+"
+        ));
+        let args: Vec<Lit> = at.iter().map(|i| Lit::U32(*i)).collect();
+        agree(&p, "f", &args, &[memory(7, (0..14).map(|i| i * 0x0101_0101))]);
+    }
+}

@@ -79,17 +79,25 @@ impl<O: Observer> Machine<'_, O> {
             Node::Lane { vector: x, lane } => self.component(*x, *lane as usize)?,
             Node::Extract { tuple: x, index } => self.component(*x, *index as usize)?,
             Node::Read { column, index } => match self.get(*index)? {
-                Value::Lit(Lit::U32(index)) => {
-                    if index >= self.memory[column.buf.index()].rows {
-                        self.observer.clamped(node, index);
-                    }
-                    Value::Lit(self.word_at(*column, index))
+                Value::Object(at) => {
+                    let indices = self.heap.cells(at).to_vec();
+                    let words: Vec<Value> = indices.into_iter().map(|i| self.read(node, *column, i)).collect();
+                    Value::Object(self.heap.object(words.into_iter()))
                 }
-                other => unreachable!("{other:?} is no index"),
+                index => self.read(node, *column, index),
             },
             Node::Row { index: x, .. } | Node::RowIndex(x) => self.get(*x)?,
             Node::Known(_) => unreachable!("`known` occurs in filters only"),
         })
+    }
+
+    /// What a table holds.
+    fn read(&mut self, node: NodeId, column: Column, index: Value) -> Value {
+        let Value::Lit(Lit::U32(index)) = index else { unreachable!("{index:?} is no index") };
+        if index >= self.memory[column.buf.index()].rows {
+            self.observer.clamped(node, index);
+        }
+        Value::Lit(self.word_at(column, index))
     }
 
     fn component(&self, object: NodeId, index: usize) -> Result<Value, NodeId> {

@@ -173,13 +173,12 @@ impl<'a, O: Observer> Machine<'a, O> {
                 self.eval(*arm)
             }
             Body::Load { mem, index, next } => {
-                let loaded = self.load(*mem, *index, code.program.locs[next.index()])?;
+                let loaded = self.load(*mem, *index, *next)?;
                 self.args.push(loaded);
                 self.eval(*next)
             }
-            Body::Store { mem, index, value, next } => {
-                let (at, value) = (self.index(*index), self.lit(*value));
-                self.store(*mem, at, value);
+            Body::Store { mem, index, value, mask, next } => {
+                self.store(*mem, *index, *value, *mask);
                 self.eval(*next)
             }
             Body::Local { scalar, len, next } => {
@@ -192,61 +191,5 @@ impl<'a, O: Observer> Machine<'a, O> {
                 self.eval(*next)
             }
         })
-    }
-
-    fn load(&mut self, mem: Mem, index: NodeId, loc: Loc) -> Result<Value, Stop> {
-        let index = self.index(index);
-        let program = self.code.program;
-        Ok(match mem {
-            Mem::Local(array) => {
-                let cells = self.object(array);
-                let cells = self.heap.cells(cells);
-                cells[(index as usize).min(cells.len() - 1)]
-            }
-            Mem::Stream(column) if self.memory[column.buf.index()].rows == 0 => Value::Lit(self.decode(column, 0)),
-            Mem::Stream(column) => Value::Lit(self.word_at(column, index)),
-            Mem::Unchecked(column) => {
-                let rows = self.memory[column.buf.index()].rows;
-                if index >= rows {
-                    let name = &program.buffer(column.buf).name;
-                    return fault(loc, format!("unchecked read of `{name}` at {index}, which has {rows} rows"));
-                }
-                Value::Lit(self.word_at(column, index))
-            }
-        })
-    }
-
-    fn store(&mut self, mem: Mem, index: u32, value: Lit) {
-        match mem {
-            Mem::Local(array) => {
-                let cells = self.object(array);
-                if (index as usize) < self.heap.cells(cells).len() {
-                    self.heap.set(cells, index as usize, Value::Lit(value));
-                }
-            }
-            Mem::Stream(column) | Mem::Unchecked(column) => {
-                let memory = &mut self.memory[column.buf.index()];
-                if index < memory.rows {
-                    let buffer = self.code.program.buffer(column.buf);
-                    let word = buffer.word(memory.rows as usize, index as usize, column.col as usize);
-                    memory.words[word] = value.word();
-                }
-            }
-        }
-    }
-
-    /// What a column holds at an index, clamped to the last row.
-    pub(super) fn word_at(&self, column: Column, index: u32) -> Lit {
-        let memory = &self.memory[column.buf.index()];
-        let row = index.min(memory.rows - 1);
-        let buffer = self.code.program.buffer(column.buf);
-        self.decode(column, memory.words[buffer.word(memory.rows as usize, row as usize, column.col as usize)])
-    }
-
-    fn decode(&self, column: Column, word: u32) -> Lit {
-        match self.code.program.column(column).ty {
-            ColTy::Scalar(s) => Lit::from_word(s, word),
-            ColTy::Ref(_) => Lit::U32(word),
-        }
     }
 }

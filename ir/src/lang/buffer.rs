@@ -187,7 +187,7 @@ impl Block {
     fn store_to(&mut self, mem: Mem, index: U32, value: NodeId, loc: Loc) {
         let (rest, ()) = Block::continuation("stored", Role::Rest, always(), loc);
         let next = with(|w| w.cont_value(rest));
-        self.leave(Body::Store { mem, index: index.node(), value, next }, loc);
+        self.leave(Body::Store { mem, index: index.node(), value, mask: NodeId::NONE, next }, loc);
         *self = Block::new(rest);
     }
 

@@ -60,7 +60,8 @@ impl Parser {
             }
             "store" => {
                 let (mem, index, value) = (self.mem(c, tree)?, self.leaf(c, tree)?, self.leaf(c, tree)?);
-                Body::Store { mem, index, value, next: self.next(c, tree)? }
+                let mask = if c.skip("when") { self.leaf(c, tree)? } else { NodeId::NONE };
+                Body::Store { mem, index, value, mask, next: self.next(c, tree)? }
             }
             "local" => {
                 let word = c.word()?;

@@ -30,16 +30,17 @@ impl Verifier<'_> {
                 _ => self.fault_at("dispatch", c, format!("{} is {}, not a row", self.describe(*row), p.ty(*row))),
             },
             Body::Load { mem, index, next } => {
-                self.takes("memory", c, *index, Ty::u32(), "the index");
-                if let Some(ty) = self.element(c, mem, true) {
+                let lanes = self.index(c, *index, p.loaded(*next));
+                if let Some(ty) = self.element(c, mem, true).and_then(|ty| self.widened(c, ty, lanes)) {
                     self.continues("memory", c, *next, &[ty]);
                 }
             }
-            Body::Store { mem, index, value, next } => {
-                self.takes("memory", c, *index, Ty::u32(), "the index");
-                if let Some(ty) = self.element(c, mem, false) {
+            Body::Store { mem, index, value, mask, next } => {
+                let lanes = self.index(c, *index, Some(p.ty(*value)));
+                if let Some(ty) = self.element(c, mem, false).and_then(|ty| self.widened(c, ty, lanes)) {
                     self.takes("memory", c, *value, ty, "the value");
                 }
+                self.mask(c, *mask, lanes);
                 self.continues("memory", c, *next, &[]);
             }
             Body::Local { scalar, len, next } => self.local(c, *scalar, *len, *next),
@@ -71,6 +72,40 @@ impl Verifier<'_> {
             self.fault_at("array", c, "a local array has at least 1 element".to_owned());
         }
         self.continues("array", c, next, &[Ty::local(scalar, len)]);
+    }
+
+    /// How many lanes an access has: those of its index, else those of the value that comes from or goes to memory.
+    fn index(&mut self, c: ContId, index: NodeId, value: Option<Ty>) -> usize {
+        let lanes = |ty: Ty| ty.lanes().map_or(1, |(_, lanes)| lanes);
+        match self.p.ty(index).lanes() {
+            Some((Scalar::U32, 1)) => value.map_or(1, lanes),
+            Some((Scalar::U32, lanes)) => lanes,
+            _ => {
+                self.takes("memory", c, index, Ty::u32(), "the index");
+                1
+            }
+        }
+    }
+
+    /// The type of so many elements.
+    fn widened(&mut self, c: ContId, element: Ty, lanes: usize) -> Option<Ty> {
+        match element.as_scalar() {
+            _ if lanes == 1 => Some(element),
+            Some(s) => Some(Ty::vector(s, lanes)),
+            None => {
+                self.fault_at("memory", c, format!("there are no vectors of {element}"));
+                None
+            }
+        }
+    }
+
+    fn mask(&mut self, c: ContId, mask: NodeId, lanes: usize) {
+        match (mask == NodeId::NONE, lanes) {
+            (true, 1) => {}
+            (true, _) => self.fault_at("mask", c, "it stores a vector without a mask".to_owned()),
+            (false, 1) => self.fault_at("mask", c, "it stores a scalar under a mask".to_owned()),
+            (false, _) => self.takes("mask", c, mask, Ty::vector(Scalar::Bool, lanes), "the mask"),
+        }
     }
 
     /// The type of a memory's elements, if it may be loaded or stored.

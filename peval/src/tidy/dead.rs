@@ -91,8 +91,11 @@ fn drop_loads(draft: &mut Draft, order: &[ContId], needed: &[bool]) -> u64 {
         let to = draft.cont_of(next).expect("a residual load goes on in a block");
         let value = draft.world.param(to, 0);
         if !is_needed(needed, value) {
-            let ty = draft.p().ty(value).as_scalar().expect("a load gives a scalar");
-            let zero = draft.world.lit(Lit::from_word(ty, 0));
+            let (scalar, lanes) = draft.p().ty(value).lanes().expect("a residual load gives data");
+            let mut zero = draft.world.lit(Lit::from_word(scalar, 0));
+            if lanes > 1 {
+                zero = draft.world.pack(&vec![zero; lanes], Loc::NONE);
+            }
             draft.world.cont_mut(*c).body = Body::Jump { callee: next, args: vec![zero], mode: Mode::Filter };
             loads += 1;
         }

@@ -298,8 +298,11 @@ pub(crate) fn map_body(body: &mut Body, f: &mut dyn FnMut(NodeId) -> NodeId) {
             all(&mut [index, next]);
             mem(m, f)
         }
-        Body::Store { mem: m, index, value, next } => {
+        Body::Store { mem: m, index, value, mask, next } => {
             all(&mut [index, value, next]);
+            if *mask != NodeId::NONE {
+                all(&mut [mask]);
+            }
             mem(m, f)
         }
         Body::Local { next, .. } => all(&mut [next]),

@@ -148,7 +148,7 @@ impl Gen<'_> {
         let (index, value) = (self.value(Ty::u32()), self.value(Ty::scalar(scalar)));
         let (rest, _) = self.cont("stored", Role::Rest, &[]);
         let next = self.w.cont_value(rest);
-        self.leave(Body::Store { mem, index, value, next });
+        self.leave(Body::Store { mem, index, value, mask: NodeId::NONE, next });
         self.go_on(rest, &[]);
     }
 
