@@ -1,7 +1,8 @@
 //! How values travel: types, signatures, and what a kernel is given.
 //!
-//! A vector is its lanes, each a scalar of its own. A residual function has Cranelift's `tail` convention, so that a tail
-//! call takes no stack, and the parameters
+//! A vector is one value of 128 bits, a *part*, for every four lanes; what the lanes that are left over in the last part
+//! hold means nothing. A residual function has Cranelift's `tail` convention, so that a tail call takes no stack, and the
+//! parameters
 //! 1. the bindings, if it or a callee touches a buffer,
 //! 2. the depth that is left, if it or a callee recurses,
 //! 3. an area for the results, if they do not fit in registers,
@@ -53,6 +54,9 @@ pub(crate) const POINTER: Type = types::I64;
 /// Results of each register class that a function returns in registers; both x86-64 and AArch64 have that many.
 const RESULT_REGISTERS: usize = 8;
 
+/// Lanes of a part.
+pub(crate) const LANES: usize = 4;
+
 /// The machine type of a scalar. A bool is the byte 0 or 1.
 pub(crate) fn clif(scalar: Scalar) -> Type {
     match scalar {
@@ -62,19 +66,33 @@ pub(crate) fn clif(scalar: Scalar) -> Type {
     }
 }
 
-/// The lanes of data of this type.
-pub(crate) fn lanes(ty: Ty) -> impl Iterator<Item = Scalar> {
-    let (scalar, n) = ty.lanes().unwrap_or((Scalar::Bool, 0));
-    std::iter::repeat_n(scalar, n)
+/// The machine type of a part. A bool is the lane 0 or −1.
+pub(crate) fn part(scalar: Scalar) -> Type {
+    match scalar {
+        Scalar::Bool | Scalar::I32 | Scalar::U32 => types::I32X4,
+        Scalar::F32 => types::F32X4,
+    }
+}
+
+/// Scalar and lanes of data; nothing else has a value at run time.
+pub(crate) fn data(ty: Ty) -> (Scalar, usize) {
+    ty.lanes().unwrap_or((Scalar::Bool, 0))
+}
+
+/// The machine types of data: of a scalar one, of a vector one for each part.
+pub(crate) fn parts(ty: Ty) -> impl Iterator<Item = Type> {
+    let (scalar, lanes) = data(ty);
+    let ty = if lanes == 1 { clif(scalar) } else { part(scalar) };
+    std::iter::repeat_n(ty, lanes.div_ceil(LANES))
 }
 
 /// How a function is called.
 #[derive(Clone, Debug)]
 pub(crate) struct Shape {
-    /// Lanes of its own parameters.
-    pub params: Vec<Scalar>,
-    /// Lanes of its results.
-    pub results: Vec<Scalar>,
+    /// Its own parameters.
+    pub params: Vec<Ty>,
+    /// Its results.
+    pub results: Vec<Ty>,
     /// Does it take the bindings?
     pub bindings: bool,
     /// Does it take the depth and return a status?
@@ -82,11 +100,29 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
+    /// The machine types of the results.
+    pub fn results(&self) -> impl Iterator<Item = Type> {
+        self.results.iter().flat_map(|ty| parts(*ty))
+    }
+
     /// Do the results go through memory?
     pub fn has_area(&self) -> bool {
-        let floats = self.results.iter().filter(|s| **s == Scalar::F32).count();
-        let ints = self.results.len() - floats + self.counted as usize;
-        floats > RESULT_REGISTERS || ints > RESULT_REGISTERS
+        let (ints, floats): (Vec<Type>, Vec<Type>) = self.results().partition(|ty| ty.is_int());
+        floats.len() > RESULT_REGISTERS || ints.len() + self.counted as usize > RESULT_REGISTERS
+    }
+
+    /// Where each machine value of the results is in the area, in bytes.
+    pub fn places(&self) -> impl Iterator<Item = (Type, i32)> {
+        self.results().scan(0, |end, ty| {
+            let at = u32::next_multiple_of(*end, ty.bytes());
+            *end = at + ty.bytes();
+            Some((ty, at as i32))
+        })
+    }
+
+    /// Bytes of the area.
+    pub fn area_bytes(&self) -> u32 {
+        self.places().last().map_or(0, |(ty, at)| at as u32 + ty.bytes())
     }
 
     /// The signature.
@@ -94,9 +130,9 @@ impl Shape {
         let mut s = Signature::new(CallConv::Tail);
         let hidden = [(self.bindings, POINTER), (self.counted, types::I32), (self.has_area(), POINTER)];
         let hidden = hidden.into_iter().filter(|(there, _)| *there).map(|(_, ty)| ty);
-        s.params = hidden.chain(self.params.iter().map(|p| clif(*p))).map(AbiParam::new).collect();
+        s.params = hidden.chain(self.params.iter().flat_map(|ty| parts(*ty))).map(AbiParam::new).collect();
         let status = self.counted.then_some(types::I32);
-        let results = self.results.iter().filter(|_| !self.has_area()).map(|r| clif(*r));
+        let results = self.results().filter(|_| !self.has_area());
         s.returns = status.into_iter().chain(results).map(AbiParam::new).collect();
         s
     }
@@ -119,8 +155,8 @@ pub(crate) fn shapes(p: &Program, cfg: &Cfg, schedules: &[Schedule]) -> Vec<Shap
         let params = &p.cont(f.cont).params;
         let (ret, own) = params.split_last().expect("a function has a return");
         Shape {
-            params: own.iter().flat_map(|x| lanes(x.ty)).collect(),
-            results: ret.ty.params().unwrap_or_default().iter().flat_map(|ty| lanes(*ty)).collect(),
+            params: own.iter().map(|x| x.ty).collect(),
+            results: ret.ty.params().unwrap_or_default().to_vec(),
             bindings: bindings[f.component as usize],
             counted: counted[f.component as usize],
         }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::{
-    AbiParam, ExtFuncData, ExternalName, FuncRef, Function, InstBuilder, MemFlagsData, Signature, UserExternalName,
-    UserFuncName, types,
+    AbiParam, ExtFuncData, ExternalName, FuncRef, Function, InstBuilder, MemFlagsData, Signature, StackSlotData,
+    StackSlotKind, UserExternalName, UserFuncName, Value, types,
 };
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_module::{FuncId, ModuleReloc};
@@ -14,9 +14,11 @@ use jerboa_ir::cfg::Cfg;
 use jerboa_ir::schedule::Scheduler;
 use jerboa_ir::{Body, ContId, Program};
 
-use crate::abi::{POINTER, Shape, shapes};
+use crate::abi::{POINTER, Shape, data, parts, shapes};
 use crate::function::{Callees, Unit, emit};
-use crate::memory::{self, Local};
+use crate::memory::{self, Local, nth_word};
+use crate::pack;
+use crate::simd::Simd;
 use crate::target::{Options, Target};
 use crate::{DEPTH_LIMIT, Error, MIN_DEPTH, STACK_LIMIT};
 
@@ -80,7 +82,7 @@ pub(crate) fn kernel(
     entry: ContId,
 ) -> Result<Unlinked, Error> {
     let start = Instant::now();
-    let unit = Unit::new(program, name, entry)?;
+    let unit = Unit::new(program, name, entry, target.simd)?;
     let mut compiler = Compiler { target, options, kernel: name, reused: FunctionBuilderContext::new() };
     let mut functions = Vec::with_capacity(unit.cfg.functions.len() + 1);
     for index in 0..unit.cfg.functions.len() {
@@ -104,8 +106,8 @@ pub(crate) fn kernel(
     Ok(Unlinked {
         name: name.to_owned(),
         bindings: if *bindings { program.buffers.len() } else { 0 },
-        args: params.len(),
-        results: results.len(),
+        args: params.iter().map(|ty| data(*ty).1).sum(),
+        results: results.iter().map(|ty| data(*ty).1).sum(),
         report,
         dumps,
         functions,
@@ -113,13 +115,13 @@ pub(crate) fn kernel(
 }
 
 impl<'p> Unit<'p> {
-    fn new(program: &'p Program, kernel: &str, entry: ContId) -> Result<Unit<'p>, Error> {
+    fn new(program: &'p Program, kernel: &str, entry: ContId, simd: Simd) -> Result<Unit<'p>, Error> {
         let cfg =
             Cfg::new(program, &[entry]).map_err(|fault| Error::NotFirstOrder { kernel: kernel.to_owned(), fault })?;
         let mut scheduler = Scheduler::new(program);
         let schedules: Vec<_> = cfg.functions.iter().map(|f| scheduler.function(f)).collect();
         let shapes = shapes(program, &cfg, &schedules);
-        let unit = Unit { program, cfg, schedules, shapes };
+        let unit = Unit { program, cfg, schedules, shapes, simd };
         // Before Cranelift sees a frame that it cannot lay out.
         for f in &unit.cfg.functions {
             let arrays = f.blocks.iter().map(|b| match program.cont(b.cont).body {
@@ -188,7 +190,7 @@ impl Compiler<'_> {
         };
         let callees = Callees {
             functions: function.calls.iter().map(|c| (c.callee, call(&mut clif, c.callee))).collect(),
-            fma: (!self.target.fma).then(|| import(&mut clif, HOST, 0, self.fma_signature())),
+            fma: (!self.target.simd.fma).then(|| import(&mut clif, HOST, 0, self.fma_signature())),
         };
         let builder = FunctionBuilder::new(&mut clif, &mut self.reused);
         emit(unit, index, callees, builder, self.target.isa.frontend_config())
@@ -215,17 +217,36 @@ impl Compiler<'_> {
         if shape.counted {
             values.push(b.ins().iconst(types::I32, i64::from(depth)));
         }
-        if shape.has_area() {
-            values.push(results);
-        }
-        for (i, scalar) in shape.params.iter().enumerate() {
-            values.push(memory::load(&mut b, *scalar, &memory::nth_word(args, i), MemFlagsData::trusted()));
+        let area = shape.has_area().then(|| {
+            let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, shape.area_bytes(), 4);
+            let slot = b.create_sized_stack_slot(slot);
+            b.ins().stack_addr(POINTER, slot, 0)
+        });
+        values.extend(area);
+        let flags = MemFlagsData::trusted();
+        let mut word = 0;
+        for ty in &shape.params {
+            let (scalar, lanes) = data(*ty);
+            let lanes: Vec<Value> =
+                (word..word + lanes).map(|i| memory::load(&mut b, scalar, &nth_word(args, i), flags)).collect();
+            word += lanes.len();
+            values.extend(if lanes.len() == 1 { lanes } else { pack::pack(&mut b, scalar, &lanes) });
         }
         let call = b.ins().call(callee, &values);
         let mut returned = b.inst_results(call).to_vec();
         let status = if shape.counted { returned.remove(0) } else { b.ins().iconst(types::I32, 0) };
-        for (i, (value, scalar)) in returned.iter().zip(&shape.results).enumerate() {
-            memory::store(&mut b, *scalar, &memory::nth_word(results, i), *value);
+        if let Some(area) = area {
+            returned = shape.places().map(|(ty, at)| b.ins().load(ty, flags, area, at)).collect();
+        }
+        let mut word = 0;
+        for ty in &shape.results {
+            let (scalar, lanes) = data(*ty);
+            let values: Vec<Value> = returned.drain(..parts(*ty).count()).collect();
+            for i in 0..lanes {
+                let x = if lanes == 1 { values[0] } else { pack::lane(&mut b, scalar, &values, i) };
+                memory::store(&mut b, scalar, &nth_word(results, word + i), x);
+            }
+            word += lanes;
         }
         b.ins().return_(&[status]);
         b.seal_all_blocks();

@@ -6,15 +6,16 @@
 //! | residual | CLIF | where |
 //! |---|---|---|
 //! | entry | `extern "C"` function around a function | `compile.rs` |
-//! | function, call, tail call | function, `call`, `return_call` | `abi.rs`, `function.rs` |
+//! | function, call, tail call | function, `call`, `return_call` | `abi.rs`, `function/exit.rs` |
 //! | continuation parameters | block parameters (SSA in functional clothes: Appel, *SSA is functional programming*, 1998) | `function.rs` |
-//! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `ops.rs` |
-//! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `memory.rs` |
-//! | vector | its lanes, each a scalar | `abi.rs` |
+//! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `function/value.rs`, `ops.rs` |
+//! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `memory.rs`, `function/access.rs` |
+//! | vector | a value of 128 bits for every four lanes; of `bool` a mask of 0 and −1 | `vector.rs`, `pack.rs`, `simd.rs` |
 //!
 //! **The code means what the interpreter means**, bit for bit, all NaN being one value. So minimum and maximum are a
 //! comparison and a selection, a multiply-add is fused where the program says so and nowhere else (a call of
-//! [`f32::mul_add`] where the processor lacks the instruction), denormals are kept.
+//! [`f32::mul_add`] where the processor lacks the instruction), denormals are kept. What no machine does with vectors
+//! (integer division, shifts by another amount in each lane) is done lane by lane.
 //!
 //! **Nothing traps.** Conversions saturate, divisors are replaced where the machine would fault, indices are clamped as the
 //! program's rules say. Recursion ends with [`Status::Limit`] at a depth for which the frames, measured after register
@@ -60,8 +61,9 @@
 //! ```
 //!
 //! # A new operation
-//! `ops.rs` has one `match` over [`jerboa_ir::Op`] without a wildcard; the compiler asks for the new row there. The test
-//! `every_operation_on_special_values` then compares it with [`jerboa_ir::Op::eval`].
+//! `ops.rs` (scalars) and `vector.rs` have one `match` each over [`jerboa_ir::Op`] without a wildcard; the compiler asks
+//! for the new row there. Tests then compare it with [`jerboa_ir::Op::eval`] on this machine and on the least that will
+//! do, which has SSE4.1 and no fused multiply-add.
 
 mod abi;
 mod code;
@@ -70,7 +72,10 @@ mod error;
 mod function;
 mod memory;
 mod ops;
+mod pack;
+mod simd;
 mod target;
+mod vector;
 
 pub use abi::{Binding, Status};
 pub use code::{Code, Kernel, compile};

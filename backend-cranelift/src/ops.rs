@@ -1,4 +1,4 @@
-//! The operations as machine instructions, bit for bit what [`Op::eval`] says, and none that can trap.
+//! The operations on scalars as machine instructions, bit for bit what [`Op::eval`] says, and none that can trap.
 //!
 //! The `match` has no wildcard over [`Op`]: an operation without code does not compile.
 
@@ -9,7 +9,7 @@ use jerboa_ir::{NAN_BITS, Op, Scalar};
 
 /// Code of one operation on scalars. `scalar` is the type of the last operand, the T of the operation's rule (for a shift
 /// that of the first); `fma` gives the fused multiply-add of three floats. Operations over lanes are not here: see
-/// [`over_lanes`].
+/// [`crate::vector::over_lanes`].
 pub(crate) fn scalar(
     b: &mut FunctionBuilder,
     op: Op,
@@ -78,40 +78,33 @@ pub(crate) fn scalar(
         },
         Op::FloatOfBits => b.ins().bitcast(types::F32, MemFlagsData::new(), x),
         Op::IntOfBits => x,
-        Op::Any | Op::All | Op::Ballot => over_lanes(b, op, args),
+        Op::Any | Op::All | Op::Ballot => unreachable!("they take vectors, see `vector::over_lanes`"),
     }
-}
-
-/// `any`, `all` and `ballot` of these lanes.
-fn over_lanes(b: &mut FunctionBuilder, op: Op, lanes: &[Value]) -> Value {
-    let lane = |b: &mut FunctionBuilder, i: usize| match op {
-        Op::Ballot => {
-            let bit = b.ins().uextend(types::I32, lanes[i]);
-            b.ins().ishl_imm_u(bit, i as i64)
-        }
-        _ => lanes[i],
-    };
-    let first = lane(b, 0);
-    (1..lanes.len()).fold(first, |sum, i| {
-        let next = lane(b, i);
-        if op == Op::All { b.ins().band(sum, next) } else { b.ins().bor(sum, next) }
-    })
 }
 
 /// Is the relation true?
 fn compare(b: &mut FunctionBuilder, op: Op, scalar: Scalar, x: Value, y: Value) -> Value {
-    if scalar == Scalar::F32 {
-        let relation = match op {
-            Op::Ne => FloatCC::NotEqual, // true for NaN, the others false
-            Op::Lt => FloatCC::LessThan,
-            Op::Le => FloatCC::LessThanOrEqual,
-            Op::Gt => FloatCC::GreaterThan,
-            Op::Ge => FloatCC::GreaterThanOrEqual,
-            _ => FloatCC::Equal,
-        };
-        return b.ins().fcmp(relation, x, y);
+    match scalar {
+        Scalar::F32 => b.ins().fcmp(float_relation(op), x, y),
+        _ => b.ins().icmp(int_relation(op, scalar), x, y),
     }
-    let relation = match (op, scalar) {
+}
+
+/// The relation of floats that a comparison tests.
+pub(crate) fn float_relation(op: Op) -> FloatCC {
+    match op {
+        Op::Ne => FloatCC::NotEqual, // true for NaN, the others false
+        Op::Lt => FloatCC::LessThan,
+        Op::Le => FloatCC::LessThanOrEqual,
+        Op::Gt => FloatCC::GreaterThan,
+        Op::Ge => FloatCC::GreaterThanOrEqual,
+        _ => FloatCC::Equal,
+    }
+}
+
+/// The relation of integers that a comparison tests.
+pub(crate) fn int_relation(op: Op, scalar: Scalar) -> IntCC {
+    match (op, scalar) {
         (Op::Ne, _) => IntCC::NotEqual,
         (Op::Lt, Scalar::I32) => IntCC::SignedLessThan,
         (Op::Le, Scalar::I32) => IntCC::SignedLessThanOrEqual,
@@ -122,8 +115,7 @@ fn compare(b: &mut FunctionBuilder, op: Op, scalar: Scalar, x: Value, y: Value) 
         (Op::Gt, _) => IntCC::UnsignedGreaterThan,
         (Op::Ge, _) => IntCC::UnsignedGreaterThanOrEqual,
         _ => IntCC::Equal,
-    };
-    b.ins().icmp(relation, x, y)
+    }
 }
 
 /// The first operand if the relation is true, else the second.

@@ -179,7 +179,7 @@ macro_rules! conforms {
         #[test]
         fn on_scalars() { suite(&$engine, 1); }
         #[test]
-        fn on_vectors() { [2, 3, 4, 16].into_iter().for_each(|lanes| suite(&$engine, lanes)); }
+        fn on_vectors() { [2, 3, 4, 5, 8, 16].into_iter().for_each(|lanes| suite(&$engine, lanes)); }
     })+ };
 }
 

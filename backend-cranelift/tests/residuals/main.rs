@@ -5,3 +5,4 @@ mod control;
 mod memory;
 mod ops;
 mod scale;
+mod vectors;

@@ -7,7 +7,7 @@ use jerboa_ir::*;
 use crate::build::{Build, code, run};
 
 /// Values where operations go wrong.
-fn special(scalar: Scalar) -> Vec<Lit> {
+pub fn special(scalar: Scalar) -> Vec<Lit> {
     match scalar {
         Scalar::Bool => vec![Lit::Bool(false), Lit::Bool(true)],
         Scalar::I32 => [0, 1, -1, 2, -2, 7, 31, 32, 33, 1 << 24, (1 << 24) + 1, i32::MAX, i32::MIN, i32::MIN + 1]
@@ -44,7 +44,7 @@ fn special(scalar: Scalar) -> Vec<Lit> {
 }
 
 /// The operand types for which an operation of this main type is defined.
-fn operands(op: Op, main: Scalar) -> Vec<Scalar> {
+pub fn operands(op: Op, main: Scalar) -> Vec<Scalar> {
     match op.rule() {
         Rule::Select => vec![Scalar::Bool, main, main],
         Rule::Shift => vec![main, Scalar::U32],

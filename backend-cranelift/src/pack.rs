@@ -1,0 +1,66 @@
+//! Lanes in and out of parts.
+
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::{ConstantData, Immediate, InstBuilder, MemFlagsData, Type, Value, types};
+use cranelift_frontend::FunctionBuilder;
+use jerboa_ir::Scalar;
+
+use crate::abi::{LANES, part};
+
+/// One lane of a vector, as a scalar.
+pub(crate) fn lane(b: &mut FunctionBuilder, scalar: Scalar, parts: &[Value], lane: usize) -> Value {
+    let x = b.ins().extractlane(parts[lane / LANES], (lane % LANES) as u8);
+    if scalar == Scalar::Bool { b.ins().icmp_imm_u(IntCC::NotEqual, x, 0) } else { x }
+}
+
+/// Another part, with this scalar in one lane.
+pub(crate) fn insert(b: &mut FunctionBuilder, scalar: Scalar, vector: Value, lane: usize, x: Value) -> Value {
+    let x = in_lane(b, scalar, x);
+    b.ins().insertlane(vector, x, lane as u8)
+}
+
+/// A part with this scalar in every lane.
+pub(crate) fn splat(b: &mut FunctionBuilder, scalar: Scalar, x: Value) -> Value {
+    let x = in_lane(b, scalar, x);
+    b.ins().splat(part(scalar), x)
+}
+
+/// The parts of a vector of these lanes.
+pub(crate) fn pack(b: &mut FunctionBuilder, scalar: Scalar, lanes: &[Value]) -> Vec<Value> {
+    let one = |chunk: &[Value]| {
+        let first = splat(b, scalar, chunk[0]);
+        (1..chunk.len()).fold(first, |vector, i| insert(b, scalar, vector, i, chunk[i]))
+    };
+    lanes.chunks(LANES).map(one).collect()
+}
+
+/// A part of this type with these words.
+pub(crate) fn constant(b: &mut FunctionBuilder, ty: Type, words: [u32; LANES]) -> Value {
+    let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+    let constant = b.func.dfg.constants.insert(ConstantData::from(bytes));
+    b.ins().vconst(ty, constant)
+}
+
+/// A part whose lanes are those of `x` and, from [`LANES`] on, of `y`.
+pub(crate) fn shuffle(b: &mut FunctionBuilder, x: Value, y: Value, lanes: [usize; LANES]) -> Value {
+    let ty = b.func.dfg.value_type(x);
+    let bytes: Vec<u8> = lanes.iter().flat_map(|l| (0..4).map(|byte| *l as u8 * 4 + byte)).collect();
+    let mask: Immediate = b.func.dfg.immediates.push(ConstantData::from(bytes));
+    let (x, y) = (cast(b, types::I8X16, x), cast(b, types::I8X16, y));
+    let shuffled = b.ins().shuffle(x, y, mask);
+    cast(b, ty, shuffled)
+}
+
+/// The same bits as another type of as many.
+pub(crate) fn cast(b: &mut FunctionBuilder, ty: Type, x: Value) -> Value {
+    if b.func.dfg.value_type(x) == ty {
+        return x;
+    }
+    let order = MemFlagsData::new().with_endianness(cranelift_codegen::ir::Endianness::Little);
+    b.ins().bitcast(ty, order, x)
+}
+
+/// What a lane holds for a scalar.
+fn in_lane(b: &mut FunctionBuilder, scalar: Scalar, x: Value) -> Value {
+    if scalar == Scalar::Bool { b.ins().bmask(types::I32, x) } else { x }
+}
