@@ -206,6 +206,7 @@ impl Printer<'_> {
             Node::Extract { tuple, index } => format!("extract {} {index}", operand(*tuple)),
             Node::Read { column, index } => format!("read {} {}", self.column(*column), operand(*index)),
             Node::Row { table, index } => format!("row {} {}", self.names.buffers[table.index()], operand(*index)),
+            Node::Sibling { row, index } => format!("sibling {} {}", operand(*row), operand(*index)),
             Node::RowIndex(row) => format!("row_index {}", operand(*row)),
             Node::Known(x) => format!("known {}", operand(*x)),
             Node::Lit(_) | Node::Param { .. } | Node::Cont(_) => operand(id),

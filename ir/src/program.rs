@@ -88,6 +88,13 @@ pub enum Node {
         /// The index.
         index: NodeId,
     },
+    /// The row at a `u32` index that has the class of another row of the table. The author vouches for the class.
+    Sibling {
+        /// The row whose class it has.
+        row: NodeId,
+        /// The index.
+        index: NodeId,
+    },
     /// The `u32` index of a row.
     RowIndex(NodeId),
     /// Does the evaluator know this value? Occurs in filters only, so it never changes a result. A row is known when its
@@ -480,6 +487,7 @@ impl Program {
             Node::Lit(_) | Node::Param { .. } | Node::Cont(_) => {}
             Node::Prim { op, args } => args[..op.arity()].iter().copied().for_each(f),
             Node::Pack(elems) | Node::Tuple(elems) => elems.iter().copied().for_each(f),
+            Node::Sibling { row, index } => [*row, *index].into_iter().for_each(f),
             Node::Lane { vector: x, .. }
             | Node::Extract { tuple: x, .. }
             | Node::Read { index: x, .. }

@@ -63,6 +63,11 @@ pub fn type_of(p: &Program, node: &Node) -> Result<Ty, String> {
                 (_, false) => Err(format!("a row is made at a u32, not at {}", p.ty(*index))),
             }
         }
+        Node::Sibling { row, index } => match (p.ty(*row).kind(), p.ty(*index) == Ty::u32()) {
+            (TyKind::Row(_), true) => Ok(p.ty(*row)),
+            (TyKind::Row(_), false) => Err(format!("a row is made at a u32, not at {}", p.ty(*index))),
+            _ => Err(format!("{} is no row", p.ty(*row))),
+        },
         Node::RowIndex(row) => match p.ty(*row).kind() {
             TyKind::Row(_) => Ok(Ty::u32()),
             _ => Err(format!("{} is no row", p.ty(*row))),

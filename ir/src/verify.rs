@@ -96,6 +96,7 @@ impl Verifier<'_> {
             Node::Extract { .. } => "extract",
             Node::Read { .. } => "read",
             Node::Row { .. } => "row",
+            Node::Sibling { .. } => "sibling",
             Node::RowIndex(_) => "row_index",
             Node::Known(_) => "known",
         };

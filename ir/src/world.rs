@@ -186,6 +186,18 @@ impl World {
         self.node(Node::Row { table, index }, Ty::row(table), loc)
     }
 
+    /// The row at a `u32` index that has the class of `row`.
+    ///
+    /// # Panics
+    /// When `row` is no row or the index is no `u32`.
+    #[track_caller]
+    pub fn sibling(&mut self, row: NodeId, index: NodeId, loc: Loc) -> NodeId {
+        let ty = self.program.ty(row);
+        assert!(matches!(ty.kind(), TyKind::Row(_)), "{loc}: not a row");
+        assert!(self.program.ty(index) == Ty::u32(), "{loc}: a row is made at a u32");
+        self.node(Node::Sibling { row, index }, ty, loc)
+    }
+
     /// The index of a row.
     ///
     /// # Panics
@@ -194,7 +206,7 @@ impl World {
     pub fn row_index(&mut self, row: NodeId, loc: Loc) -> NodeId {
         assert!(matches!(self.program.ty(row).kind(), TyKind::Row(_)), "{loc}: not a row");
         match *self.program.node(row) {
-            Node::Row { index, .. } => index,
+            Node::Row { index, .. } | Node::Sibling { index, .. } => index,
             _ => self.node(Node::RowIndex(row), Ty::u32(), loc),
         }
     }

@@ -129,6 +129,12 @@ impl Machine<'_> {
                 let index = self.data(*index, f);
                 self.row(*table, None, index)
             }
+            Node::Sibling { row, index } => match (self.ready(*row, f), self.data(*index, f)) {
+                (Value::Row { table, class, .. }, index) => {
+                    self.row(table, (class != NO_CLASS).then_some(class), index)
+                }
+                (other, _) => unreachable!("the verifier lets only rows through here, not {other:?}"),
+            },
             Node::RowIndex(row) => Value::Data(self.data(*row, f)),
             Node::Known(x) => Value::Data(self.world.lit(Lit::Bool(self.is_known(self.ready(*x, f))))),
             Node::Param { .. } | Node::Cont(_) => unreachable!("always ready"),

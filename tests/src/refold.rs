@@ -31,6 +31,7 @@ pub fn refold(p: &Program, main: ContId, known: &[Option<Vec<Lit>>]) -> Program 
             Node::Extract { tuple, index } => w.extract(at(tuple), *index as usize, loc),
             Node::Read { column, index } => w.read(*column, at(index), loc),
             Node::Row { table, index } => w.row(*table, at(index), loc),
+            Node::Sibling { row, index } => w.sibling(at(row), at(index), loc),
             Node::RowIndex(row) => w.row_index(at(row), loc),
             Node::Known(x) => w.known(at(x), loc),
         };

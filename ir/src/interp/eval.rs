@@ -86,7 +86,7 @@ impl<O: Observer> Machine<'_, O> {
                 }
                 index => self.read(node, *column, index),
             },
-            Node::Row { index: x, .. } | Node::RowIndex(x) => self.get(*x)?,
+            Node::Row { index: x, .. } | Node::Sibling { index: x, .. } | Node::RowIndex(x) => self.get(*x)?,
             Node::Known(_) => unreachable!("`known` occurs in filters only"),
         })
     }

@@ -143,6 +143,14 @@ impl<B: Buf> Row<B> {
         Row(with(|w| w.row(table, index.node(), loc)), PhantomData)
     }
 
+    /// The row at an index that has the class of this one: the host has sorted by class what the index comes from. A kernel
+    /// that is specialised for the class of one row so knows that of all.
+    #[track_caller]
+    pub fn sibling(self, index: impl Into<U32>) -> Row<B> {
+        let (loc, index) = (here(), index.into());
+        Row(with(|w| w.sibling(self.0, index.node(), loc)), PhantomData)
+    }
+
     /// Its index.
     #[track_caller]
     pub fn index(self) -> U32 {

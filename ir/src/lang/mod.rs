@@ -69,6 +69,7 @@ pub mod fun;
 pub mod block;
 pub mod control;
 pub mod buffer;
+pub mod record;
 
 pub use block::{Block, Ends, Left};
 pub use buffer::{Array, Buf, Col, ColumnSpec, Elem, Row, Spec, SpecTy, declare, spec};

@@ -127,6 +127,7 @@ impl Parser {
             "extract" => Node::Extract { tuple: self.operand(c, tree, depth)?, index: c.number()? },
             "read" => Node::Read { column: self.column_ref(c)?, index: self.operand(c, tree, depth)? },
             "row" => Node::Row { table: self.buffer_ref(c)?, index: self.operand(c, tree, depth)? },
+            "sibling" => Node::Sibling { row: self.operand(c, tree, depth)?, index: self.operand(c, tree, depth)? },
             "row_index" => Node::RowIndex(self.operand(c, tree, depth)?),
             "known" => Node::Known(self.operand(c, tree, depth)?),
             _ => {

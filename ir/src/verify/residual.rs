@@ -55,7 +55,12 @@ impl Verifier<'_> {
             p.operands(id, &mut |x| conts += matches!(p.node(x), Node::Cont(_)) as usize);
             let staged = matches!(
                 p.node(id),
-                Node::Tuple(_) | Node::Extract { .. } | Node::Row { .. } | Node::RowIndex(_) | Node::Known(_)
+                Node::Tuple(_)
+                    | Node::Extract { .. }
+                    | Node::Row { .. }
+                    | Node::Sibling { .. }
+                    | Node::RowIndex(_)
+                    | Node::Known(_)
             );
             if staged || conts > 0 {
                 self.fault_of("residual-node", id, "left in a first-order program".to_owned());
