@@ -5,11 +5,13 @@
 //! distributions, and what must never recompile: camera, film, seed. The host half that fills them is `host::tables`.
 
 mod geometry;
+mod streams;
 
 use jerboa_ir::lang::{Buf, Spec, declare, spec};
-use jerboa_ir::{stream, table};
+use jerboa_ir::table;
 
 pub use geometry::*;
+pub use streams::*;
 
 /// "None" in a column of indices.
 pub const NONE: u32 = u32::MAX;
@@ -410,22 +412,6 @@ table! {
     }
 }
 
-stream! {
-    /// What a kernel leaves for each sample of each pixel of a pass.
-    pub Samples {
-        /// Red radiance.
-        R: F32;
-        /// Green.
-        G: F32;
-        /// Blue.
-        B: F32;
-        /// Closest-hit rays traced.
-        CLOSEST: U32;
-        /// Shadow rays traced.
-        SHADOW: U32;
-    }
-}
-
 /// Every buffer; the order is the binding number.
 pub const BUFFERS: &[Spec] = &[
     spec::<Settings>(),
@@ -449,6 +435,11 @@ pub const BUFFERS: &[Spec] = &[
     spec::<EnvironmentColumns>(),
     spec::<EnvironmentRows>(),
     spec::<Samples>(),
+    spec::<Paths>(),
+    spec::<Next>(),
+    spec::<Hits>(),
+    spec::<Order>(),
+    spec::<Shadows>(),
 ];
 
 /// Declare every buffer in the program that is being built.

@@ -11,9 +11,10 @@
 //! ```
 
 use glam::{DAffine3, Vec3};
+use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::{Film, Window};
 use jerboa_lib_render::host::generate::generic;
-use jerboa_lib_render::host::renderer::{Handle, Render};
+use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::host::replay::interpret;
 use jerboa_lib_render::host::tables::{Choices, Pass};
 use jerboa_scenes::{AlphaMode, Instance, Material, Mesh, Scene};
@@ -99,12 +100,14 @@ fn every_engine_sees_the_same() {
     // Albedo is a number and changes no program.
     let rooms = rooms.iter().filter(|c| c.name.ends_with("0.5"));
     for closed in rooms.chain(&direct()) {
-        let r = closed.renderer();
+        let choices = Choices { max_depth: closed.max_depth, ..Choices::default() };
+        let options = Options { choices, device: DeviceKind::CpuScalar, ..Options::default() };
+        let r = Renderer::new(&closed.scene, options).unwrap_or_else(|e| panic!("{}: {e}", closed.name));
         let look = &closed.looks[0].0;
         let window = Window { width: 1, height: 1, ..look.window };
         let pass = Pass { size: look.size, window, sample: 0, samples: 2, seed: SEED };
         let compiled = r.samples(&look.camera, &pass).unwrap_or_else(|e| panic!("{e}"));
-        for (engine, program) in [("residual", &r.generated().residual.program), ("generic", generic().program())] {
+        for (engine, program) in [("residual", &r.kernels()[0].residual.program), ("generic", generic().program())] {
             let words = interpret(program, "path", r.tables(), &look.camera, &pass, &mut ());
             assert_eq!(words.unwrap_or_else(|e| panic!("{e}")), compiled, "{}, {engine}", closed.name);
         }

@@ -8,8 +8,9 @@ use std::path::Path;
 
 use jerboa_ir::interp::Observer;
 use jerboa_ir::{Lit, NodeId, Program, Role, print};
+use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::Window;
-use jerboa_lib_render::host::generate::{Keep, TracerKind, every_entry, generic, residual};
+use jerboa_lib_render::host::generate::{Keep, Request, TracerKind, every_entry, generic, residual};
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::replay::interpret;
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables};
@@ -37,20 +38,25 @@ fn pass(side: u32, window: u32, samples: u32) -> Pass {
     Pass { size: [side, side], window, sample: 3, samples, seed: 7 }
 }
 
-fn renderer(scene: &Scene, known: Known) -> Renderer {
-    Renderer::new(scene, Options { known, ..Options::default() }).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+fn renderer(scene: &Scene, device: DeviceKind, known: Known) -> Renderer {
+    Renderer::new(scene, Options { device, known, ..Options::default() })
+        .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
-/// Generic program interpreted, residual interpreted, machine code: the same words.
+/// Generic program interpreted, residual interpreted, machine code of every device: the same words. What is interpreted is
+/// the kernel of the scalar device, which is a whole renderer.
 fn engines_agree(scene: &Scene, pass: &Pass) {
     let camera = scene.camera_or_default();
     let name = &scene.name;
     let kernel = TracerKind::Path.kernel();
     let mut first: Option<Vec<u32>> = None;
     for known in LEVELS {
-        let r = renderer(scene, known);
+        let r = renderer(scene, DeviceKind::CpuScalar, known);
         let compiled = r.samples(&camera, pass).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let residual = &r.generated().residual.program;
+        let waves = renderer(scene, DeviceKind::Cpu, known).samples(&camera, pass);
+        let waves = waves.unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(differences(&compiled, &waves), 0, "{name}, {known:?}: the devices differ");
+        let residual = &r.kernels()[0].residual.program;
         let meant =
             interpret(residual, kernel, r.tables(), &camera, pass, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(
@@ -100,17 +106,20 @@ fn engines_agree_on_matched_scenes() {
     }
 }
 
-/// `--known` never changes the image: machine code of the three levels on every built-in scene.
+/// `--known` and `--device` never change the image: machine code of the three levels on every built-in scene.
 #[test]
 fn levels_give_the_same_bytes() {
     for name in builtin::list().iter().map(|b| b.name) {
         let scene = load(&format!("builtin:{name}"));
         let camera = scene.camera_or_default();
-        let pass = pass(48, 48, 2);
-        let images = LEVELS
-            .map(|known| renderer(&scene, known).samples(&camera, &pass).unwrap_or_else(|e| panic!("{name}: {e}")));
-        assert_eq!(differences(&images[0], &images[1]), 0, "{name}: nothing against structure");
-        assert_eq!(differences(&images[1], &images[2]), 0, "{name}: structure against all");
+        let pass = pass(24, 24, 2);
+        let image = |device, known| {
+            renderer(&scene, device, known).samples(&camera, &pass).unwrap_or_else(|e| panic!("{name}: {e}"))
+        };
+        let scalar = image(DeviceKind::CpuScalar, Known::Structure);
+        for known in LEVELS {
+            assert_eq!(differences(&image(DeviceKind::Cpu, known), &scalar), 0, "{name}: {known:?}");
+        }
     }
 }
 
@@ -119,11 +128,18 @@ fn levels_give_the_same_bytes() {
 fn the_generic_program_does_not_depend_on_the_scene() {
     let entries = |p: &Program| p.entries.iter().map(|(n, _)| n.to_string()).collect::<Vec<_>>();
     let first = print(generic().program());
-    assert_eq!(entries(generic().program()), ["path", "normals", "albedo", "depth"]);
+    let expected = [
+        ["trace", "shadow"].as_slice(),
+        &["path", "generate", "shade", "miss"],
+        &["normals", "normals_generate", "normals_shade", "normals_miss"],
+        &["albedo", "albedo_generate", "albedo_shade", "albedo_miss"],
+        &["depth", "depth_generate", "depth_shade", "depth_miss"],
+    ];
+    assert_eq!(entries(generic().program()), expected.concat());
     for name in builtin::list().iter().map(|b| b.name) {
         let scene = load(&format!("builtin:{name}"));
         let tables = Tables::new(&scene, &Choices::default(), Known::Structure);
-        residual(&tables, TracerKind::Path, Keep::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        path(&scene, &tables);
         let again = every_entry();
         assert_eq!(entries(&again), entries(generic().program()), "{name}");
         assert!(print(&again) == first, "{name}: the generic program changed");
@@ -142,9 +158,17 @@ fn no_join_is_copied_per_branch() {
     assert_eq!(copied, Vec::<String>::new());
 }
 
+fn residual_of(scene: &Scene, tables: &Tables, request: &Request) -> Program {
+    residual(tables, request, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name)).program
+}
+
+/// The kernel of the scalar device, which has all that a scene needs.
+fn path(scene: &Scene, tables: &Tables) -> Program {
+    residual_of(scene, tables, &DeviceKind::CpuScalar.requests(tables, TracerKind::Path)[0])
+}
+
 fn residual_at(scene: &Scene, known: Known) -> Program {
-    let tables = Tables::new(scene, &Choices::default(), known);
-    residual(&tables, TracerKind::Path, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name)).program
+    path(scene, &Tables::new(scene, &Choices::default(), known))
 }
 
 /// The text of a residual without the declarations of its buffers.
@@ -168,8 +192,7 @@ impl Observer for Clamps<'_> {
 
 fn clamps(scene: &Scene) -> Vec<String> {
     let tables = Tables::new(scene, &Choices::default(), Known::Structure);
-    let program =
-        residual(&tables, TracerKind::Path, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name)).program;
+    let program = path(scene, &tables);
     let mut clamps = Clamps { program: &program, found: Vec::new() };
     let (camera, pass) = (scene.camera_or_default(), pass(32, 4, 1));
     interpret(&program, "path", &tables, &camera, &pass, &mut clamps).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
@@ -233,16 +256,24 @@ fn a_residual_has_only_what_the_scene_needs() {
     }
 }
 
-/// The size of each built-in's renderer, as a golden: a change of the library or the evaluator shows its effect here.
-/// `BLESS=1` rewrites it.
+/// The sizes of residuals, as a golden: a change of the library or the evaluator shows its effect here. The scalar kernel of
+/// each built-in, and the kernels of streams of some. `BLESS=1` rewrites it.
 #[test]
 fn counters_of_the_residuals() {
-    let rows = builtin::list().iter().map(|b| {
+    let mut found = String::new();
+    for b in builtin::list() {
         let scene = load(&format!("builtin:{}", b.name));
-        let counters = first_line(&residual_at(&scene, Known::Structure));
-        format!("{:<16}{}\n", b.name, counters.split_once(';').map_or("", |(_, c)| c))
-    });
-    let found: String = rows.collect();
+        let tables = Tables::new(&scene, &Choices::default(), Known::Structure);
+        let mut requests = DeviceKind::CpuScalar.requests(&tables, TracerKind::Path);
+        if ["cornell-box", "material-balls"].contains(&b.name) {
+            requests.extend(DeviceKind::Cpu.requests(&tables, TracerKind::Path));
+        }
+        for request in requests {
+            let counters = first_line(&residual_of(&scene, &tables, &request));
+            let name = if request.name == "path" { b.name } else { &format!("  {}", request.name) };
+            found += &format!("{name:<16}{}\n", counters.split_once(';').map_or("", |(_, c)| c));
+        }
+    }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("files/counters.txt");
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(&file, &found).expect("the golden can be written");

@@ -4,6 +4,7 @@
 use jerboa_ir::Program;
 use jerboa_ir::cfg::{Cfg, Function};
 use jerboa_ir::structure::{Step, structure};
+use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residual};
 use jerboa_lib_render::host::tables::{Choices as Chosen, Known, Tables};
 use jerboa_peval::{Arg, Facts, Generic, Options, specialize};
@@ -135,11 +136,13 @@ fn trees_of_random_programs_go_where_the_graph_goes() {
 #[test]
 fn trees_of_kernels_go_where_the_graph_goes() {
     let check_scene = |name: &str, known: Known, kinds: &[TracerKind]| {
-        let scene = Scene::load(&format!("builtin:{name}")).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let scene = Scene::load(format!("builtin:{name}")).unwrap_or_else(|e| panic!("{name}: {e}"));
         let tables = Tables::new(&scene, &Chosen::default(), known);
         for kind in kinds {
-            let kernel = residual(&tables, *kind, Keep::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-            check(&kernel.program, 0);
+            for request in DeviceKind::ALL.iter().flat_map(|d| d.requests(&tables, *kind)) {
+                let kernel = residual(&tables, &request, Keep::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check(&kernel.program, 0);
+            }
         }
     };
     builtin::list().iter().for_each(|b| check_scene(b.name, Known::Structure, &[TracerKind::Path]));

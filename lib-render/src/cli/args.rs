@@ -65,9 +65,11 @@ pub enum KnownArg {
 /// Where kernels run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum DeviceArg {
-    /// All cores, machine code by Cranelift
+    /// All cores: streams of paths, sorted by shader
     #[default]
     Cpu,
+    /// All cores, one path after the other
+    CpuScalar,
 }
 
 /// What a path is traced for.

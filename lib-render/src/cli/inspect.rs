@@ -6,42 +6,42 @@ use serde_json::json;
 
 use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg, TimeArgs};
 use super::scene::load;
+use crate::host::device::DeviceKind;
 use crate::host::error::Error;
-use crate::host::generate::{Generated, Keep, TracerKind, generate, generic, residual};
+use crate::host::generate::{Generated, Keep, Kernels, Request, TracerKind, generate, generic, residual};
 use crate::host::tables::{Choices, Tables};
 
 /// The text of a stage, one kernel after the other. The generic program and the residual of one kernel read back.
 pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
-    let kernels = kernels(args.kernel.as_deref())?;
     let (scene, _) = load(&args.scene)?;
+    let tables = Tables::new(&scene, &Choices::default(), args.known.into());
+    let kernels = kernels(&tables, args.kernel.as_deref())?;
     // The generic program is one for all kernels and scenes.
     if args.stage == StageArg::Generic {
         return Ok(jerboa_ir::print::print(generic().program()));
     }
-    let tables = Tables::new(&scene, &Choices::default(), args.known.into());
     let mut text = String::new();
-    for kind in kernels {
-        match args.stage {
-            StageArg::Residual => text += &jerboa_ir::print::print(&residual(&tables, kind, Keep::default())?.program),
-            _ => {
-                let g = generate(&tables, kind, Keep { dumps: true, log: false })?;
-                let dumped = if args.stage == StageArg::Clif { g.code.clif(g.kernel) } else { g.code.asm(g.kernel) };
-                text += dumped.expect("dumps were asked for");
-            }
+    if args.stage == StageArg::Residual {
+        for kernel in &kernels {
+            text += &jerboa_ir::print::print(&residual(&tables, kernel, Keep::default())?.program);
         }
+        return Ok(text);
+    }
+    for g in generate(&tables, &kernels, Keep { dumps: true, log: false })?.kernels {
+        let dumped = if args.stage == StageArg::Clif { g.clif() } else { g.asm() };
+        text += dumped.expect("dumps were asked for");
     }
     Ok(text)
 }
 
 /// The evaluator's log of decisions.
 pub(super) fn explain(args: &ExplainArgs) -> Result<String, Error> {
-    let kernels = kernels(args.kernel.as_deref())?;
     let (scene, _) = load(&args.scene)?;
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
     let mut text = String::new();
-    for kind in kernels {
-        let residual = residual(&tables, kind, Keep { log: true, dumps: false })?;
-        text += &format!("kernel {}\n{}{}", kind.kernel(), residual.log, residual.report);
+    for kernel in kernels(&tables, args.kernel.as_deref())? {
+        let residual = residual(&tables, &kernel, Keep { log: true, dumps: false })?;
+        text += &format!("kernel {}\n{}{}", kernel.name, residual.log, residual.report);
     }
     Ok(text)
 }
@@ -54,24 +54,31 @@ pub(super) fn time(args: &TimeArgs) -> Result<String, Error> {
     let start = std::time::Instant::now();
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
     let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
-    let kernels =
-        TracerKind::ALL.iter().map(|k| generate(&tables, *k, Keep::default())).collect::<Result<Vec<_>, _>>()?;
+    let kernels = generate(&tables, &kernels(&tables, None)?, Keep::default())?;
     let phases = Phases { load: load_time + tables_time, bvh: tables.bvh_time, kernels: &kernels };
     Ok(if args.json { phases.json() } else { phases.text() })
 }
 
-/// The kernel of a name, or all.
-fn kernels(name: Option<&str>) -> Result<Vec<TracerKind>, Error> {
-    let Some(name) = name else { return Ok(TracerKind::ALL.to_vec()) };
-    let known = || TracerKind::ALL.map(TracerKind::kernel).join(", ");
-    let found = TracerKind::ALL.into_iter().find(|k| k.kernel() == name);
-    found.map(|k| vec![k]).ok_or_else(|| Error::new(format!("there is no kernel `{name}`; there are {}", known())))
+/// The kernel of a name, on any device; or all that light transport takes.
+fn kernels(tables: &Tables, name: Option<&str>) -> Result<Vec<Request>, Error> {
+    let Some(name) = name else { return Ok(DeviceKind::default().requests(tables, TracerKind::Path)) };
+    let mut all: Vec<Request> = Vec::new();
+    for request in DeviceKind::ALL.iter().flat_map(|d| TracerKind::ALL.iter().flat_map(|t| d.requests(tables, *t))) {
+        if !all.contains(&request) {
+            all.push(request);
+        }
+    }
+    let names = || all.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
+    let found = all.iter().find(|r| r.name == name);
+    found
+        .map(|r| vec![r.clone()])
+        .ok_or_else(|| Error::new(format!("there is no kernel `{name}`; there are {}", names())))
 }
 
 struct Phases<'a> {
     load: Duration,
     bvh: Duration,
-    kernels: &'a [Generated],
+    kernels: &'a Kernels,
 }
 
 fn ms(t: Duration) -> f64 {
@@ -79,22 +86,14 @@ fn ms(t: Duration) -> f64 {
 }
 
 impl Phases<'_> {
-    fn specialize(&self) -> Duration {
-        self.kernels.iter().map(|k| k.specialize_time).sum()
-    }
-
-    fn codegen(&self) -> Duration {
-        self.kernels.iter().map(|k| k.codegen_time).sum()
-    }
-
     fn total(&self) -> Duration {
-        self.load + self.bvh + self.specialize() + self.codegen()
+        self.load + self.bvh + self.kernels.specialize_time + self.kernels.codegen_time
     }
 
     fn json(&self) -> String {
         let kernel = |k: &Generated| {
             json!({
-                "name": k.kernel,
+                "name": k.name,
                 "specialize_ms": ms(k.specialize_time),
                 "codegen_ms": ms(k.codegen_time),
                 "nodes_before": k.residual.report.nodes_before,
@@ -106,10 +105,10 @@ impl Phases<'_> {
         let object = json!({
             "load_ms": ms(self.load),
             "bvh_ms": ms(self.bvh),
-            "specialize_ms": ms(self.specialize()),
-            "codegen_ms": ms(self.codegen()),
+            "specialize_ms": ms(self.kernels.specialize_time),
+            "codegen_ms": ms(self.kernels.codegen_time),
             "total_ms": ms(self.total()),
-            "kernels": self.kernels.iter().map(kernel).collect::<Vec<_>>(),
+            "kernels": self.kernels.kernels.iter().map(kernel).collect::<Vec<_>>(),
         });
         format!("{object}\n")
     }
@@ -119,15 +118,15 @@ impl Phases<'_> {
             "load {:.1} ms, bvh {:.1} ms, specialize {:.1} ms, codegen {:.1} ms, total {:.1} ms\n",
             ms(self.load),
             ms(self.bvh),
-            ms(self.specialize()),
-            ms(self.codegen()),
+            ms(self.kernels.specialize_time),
+            ms(self.kernels.codegen_time),
             ms(self.total())
         );
-        for k in self.kernels {
+        for k in &self.kernels.kernels {
             let r = &k.residual.report;
             text += &format!(
                 "{:<8} specialize {:>7.2} ms, codegen {:>7.2} ms, nodes {} -> {}, {} bytes of code\n",
-                k.kernel,
+                k.name,
                 ms(k.specialize_time),
                 ms(k.codegen_time),
                 r.nodes_before,

@@ -33,8 +33,13 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
     let size = film_size(&camera, args.width, args.height);
     let window = window(args, size)?;
 
-    let options =
-        Options { known: args.known.into(), tracer: args.tracer.into(), choices: choices(args), ..Options::default() };
+    let options = Options {
+        known: args.known.into(),
+        tracer: args.tracer.into(),
+        choices: choices(args),
+        device: args.device.into(),
+        ..Options::default()
+    };
     let renderer = Renderer::new(&scene, options)?;
     let mut film = Film::crop(size, window);
     let job = Render { sample: 0, spp: args.spp, seed: args.seed };
@@ -115,13 +120,12 @@ struct Report<'a> {
 impl Report<'_> {
     /// Phases and their times, s.
     fn phases(&self) -> [(&'static str, f64); 6] {
-        let generated = self.renderer.generated();
         [
             ("load", self.load_time),
             ("tables", self.renderer.tables_time),
             ("bvh", self.renderer.tables().bvh_time),
-            ("specialize", generated.specialize_time),
-            ("codegen", generated.codegen_time),
+            ("specialize", self.renderer.specialize_time),
+            ("codegen", self.renderer.codegen_time),
             ("render", self.stats.time),
         ]
         .map(|(name, time)| (name, time.as_secs_f64()))

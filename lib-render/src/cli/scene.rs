@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use jerboa_scenes::{Camera, Scene};
 
-use super::args::{KnownArg, RenderArgs, ShadingNormalsArg, TracerArg};
+use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TracerArg};
+use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::generate::TracerKind;
 use crate::host::tables::{Choices, Known};
@@ -16,6 +17,15 @@ impl From<KnownArg> for Known {
             KnownArg::Nothing => Known::Nothing,
             KnownArg::Structure => Known::Structure,
             KnownArg::All => Known::All,
+        }
+    }
+}
+
+impl From<DeviceArg> for DeviceKind {
+    fn from(arg: DeviceArg) -> DeviceKind {
+        match arg {
+            DeviceArg::Cpu => DeviceKind::Cpu,
+            DeviceArg::CpuScalar => DeviceKind::CpuScalar,
         }
     }
 }

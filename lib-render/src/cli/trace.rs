@@ -7,6 +7,7 @@ use jerboa_ir::{ContId, Lit, NodeId, Program, Role};
 
 use super::args::TraceArgs;
 use super::scene::{camera, film_size, load};
+use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::film::Window;
 use crate::host::generate::{TracerKind, generic};
@@ -25,7 +26,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<String, Error> {
         return Err(Error::new(format!("--pixel {x},{y} is not on the film of {}x{}", size[0], size[1])));
     }
     let pass = Pass { size, window: Window { x, y, width: 1, height: 1 }, sample: args.sample, samples: 1, seed: 0 };
-    let renderer = Renderer::new(&scene, Options::default())?;
+    let renderer = Renderer::new(&scene, Options { device: DeviceKind::CpuScalar, ..Options::default() })?;
     let program = generic().program();
     let mut steps = Steps { program, text: String::new(), current: None, non_finite: None };
     let kernel = TracerKind::Path.kernel();

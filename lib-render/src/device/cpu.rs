@@ -1,4 +1,4 @@
-//! The CPU device, IR half: one kernel that follows each path of a range of samples from the camera to its end.
+//! The scalar CPU device, IR half: one kernel that follows each path of a range of samples from the camera to its end.
 //!
 //! Item i of a pass is sample `SAMPLE + i mod SAMPLES` of pixel `i div SAMPLES` of the crop window; its radiance and its
 //! ray counts go to row i − first of the stream. So a tile is a range of items, and the host may cut the window as it
@@ -49,7 +49,7 @@ pub fn trace_with(name: &str, tracer: Tracer, traverse: TraverseFn) {
 }
 
 /// Column and row on the film, and sample, of an item.
-fn item(i: U32) -> (U32, U32, U32) {
+pub(super) fn item(i: U32) -> (U32, U32, U32) {
     let frame = Row::<Frame>::at(0u32);
     let (samples, width) = (frame.get(Frame::SAMPLES), frame.get(Frame::CROP_WIDTH));
     let pixel = i / samples;

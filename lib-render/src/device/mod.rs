@@ -4,6 +4,7 @@
 //! and dispatches.
 
 pub mod cpu;
+pub mod stream;
 
 use crate::tracer::Tracer;
 

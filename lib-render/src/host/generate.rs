@@ -1,24 +1,27 @@
-//! From tables to a renderer: build the generic program once, specialise it, compile what is left.
+//! From tables to kernels: build the generic program once, specialise it, compile what is left.
 //!
 //! The generic program is the same for every scene (Law 1). It is built when it is first needed and shared by all threads.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift as clif;
 use jerboa_ir::Program;
 use jerboa_ir::lang::build;
 use jerboa_peval::{Arg, Generic, Residual, specialize};
+use rayon::prelude::*;
 
+use super::code_cache::compile;
 use super::error::Error;
 use super::tables::Tables;
 use crate::camera::make_perspective_camera;
 use crate::device::cpu::make_cpu_device;
+use crate::device::stream::make_stream_device;
 use crate::schema::declare_all;
 use crate::tracer::debug::{Show, make_debug_tracer};
 use crate::tracer::path::make_path_tracer;
 
-/// What a renderer shows; each is a kernel of its own.
+/// What a renderer shows; each has kernels of its own.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum TracerKind {
     /// Light transport.
@@ -36,7 +39,7 @@ impl TracerKind {
     /// All of them, in the order of the entries.
     pub const ALL: [TracerKind; 4] = [TracerKind::Path, TracerKind::Normals, TracerKind::Albedo, TracerKind::Depth];
 
-    /// Name of the kernel.
+    /// Name of its kernel on the scalar device.
     pub fn kernel(self) -> &'static str {
         match self {
             TracerKind::Path => "path",
@@ -51,7 +54,8 @@ impl TracerKind {
 pub fn every_entry() -> Program {
     build(|| {
         declare_all();
-        let (camera, device) = (make_perspective_camera(), make_cpu_device());
+        let camera = make_perspective_camera();
+        let devices = [make_cpu_device(), make_stream_device()];
         for kind in TracerKind::ALL {
             let tracer = match kind {
                 TracerKind::Path => make_path_tracer(camera),
@@ -59,7 +63,7 @@ pub fn every_entry() -> Program {
                 TracerKind::Albedo => make_debug_tracer(camera, Show::Albedo),
                 TracerKind::Depth => make_debug_tracer(camera, Show::Depth),
             };
-            (device.trace)(kind.kernel(), tracer);
+            devices.iter().for_each(|device| (device.trace)(kind.kernel(), tracer));
         }
     })
 }
@@ -79,34 +83,92 @@ pub struct Keep {
     pub dumps: bool,
 }
 
+/// A kernel that a device asks for.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Request {
+    /// Its name.
+    pub name: String,
+    /// The entry of the generic program.
+    pub entry: String,
+    /// What is known of the entry's parameters.
+    pub args: Vec<Arg>,
+}
+
 /// A kernel for one scene, with all that led to it.
 pub struct Generated {
-    /// Name of the kernel.
-    pub kernel: &'static str,
+    /// Its name.
+    pub name: String,
     /// What specialisation left.
     pub residual: Residual,
-    /// Machine code.
-    pub code: clif::Code,
+    /// Machine code; kernels with equal residuals share it.
+    pub code: Arc<clif::Code>,
+    /// Time of specialisation, on one thread.
+    pub specialize_time: Duration,
+    /// Time of code generation, on one thread; 0 if the code was there already.
+    pub codegen_time: Duration,
+}
+
+/// Specialise a kernel for these tables.
+pub fn residual(tables: &Tables, request: &Request, keep: Keep) -> Result<Residual, Error> {
+    let options = jerboa_peval::Options { log: keep.log, ..Default::default() };
+    specialize(generic(), &request.entry, &request.args, &tables.facts, &options).map_err(|e| Error::new(e.to_string()))
+}
+
+/// Kernels, and the wall times of making them.
+pub struct Kernels {
+    /// One for each request, in order.
+    pub kernels: Vec<Generated>,
     /// Wall time of specialisation.
     pub specialize_time: Duration,
     /// Wall time of code generation.
     pub codegen_time: Duration,
 }
 
-/// Specialise a kernel for these tables.
-pub fn residual(tables: &Tables, kind: TracerKind, keep: Keep) -> Result<Residual, Error> {
-    let options = jerboa_peval::Options { log: keep.log, ..Default::default() };
-    specialize(generic(), kind.kernel(), &[Arg::Unknown, Arg::Unknown], &tables.facts, &options)
-        .map_err(|e| Error::new(e.to_string()))
-}
-
-/// Specialise and compile a kernel for these tables.
-pub fn generate(tables: &Tables, kind: TracerKind, keep: Keep) -> Result<Generated, Error> {
+/// Specialise and compile kernels for these tables, in parallel.
+pub fn generate(tables: &Tables, requests: &[Request], keep: Keep) -> Result<Kernels, Error> {
     let start = Instant::now();
-    let residual = residual(tables, kind, keep)?;
+    let residuals = requests
+        .par_iter()
+        .with_max_len(1)
+        .map(|request| {
+            let start = Instant::now();
+            Ok((residual(tables, request, keep)?, start.elapsed()))
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
     let specialize_time = start.elapsed();
     let start = Instant::now();
     let options = clif::Options { dumps: keep.dumps, ..Default::default() };
-    let code = clif::compile(&[&residual.program], &options).map_err(|e| Error::new(e.to_string()))?;
-    Ok(Generated { kernel: kind.kernel(), residual, code, specialize_time, codegen_time: start.elapsed() })
+    let code = compile(&residuals.iter().map(|(r, _)| &r.program).collect::<Vec<_>>(), &options)?;
+    let codegen_time = start.elapsed();
+    let kernel = |((request, (residual, specialize_time)), (code, codegen_time)): ((&Request, _), _)| Generated {
+        name: request.name.clone(),
+        residual,
+        code,
+        specialize_time,
+        codegen_time,
+    };
+    let kernels = requests.iter().zip(residuals).zip(code).map(kernel).collect();
+    Ok(Kernels { kernels, specialize_time, codegen_time })
+}
+
+impl Generated {
+    /// The kernel, to be called.
+    pub fn kernel(&self) -> clif::Kernel<'_> {
+        self.code.kernel(self.compiled()).expect("it is the code of one kernel")
+    }
+
+    /// The CLIF of its functions, if dumps were asked for.
+    pub fn clif(&self) -> Option<&str> {
+        self.code.clif(self.compiled())
+    }
+
+    /// The disassembly of its functions, if dumps were asked for.
+    pub fn asm(&self) -> Option<&str> {
+        self.code.asm(self.compiled())
+    }
+
+    /// The name under which it was compiled: that of an equal kernel, perhaps.
+    fn compiled(&self) -> &str {
+        self.code.reports().next().map_or("", |r| &r.name)
+    }
 }

@@ -16,6 +16,12 @@
 
 pub mod tables;
 pub mod generate;
+pub mod code_cache;
+pub mod device;
+mod dispatch;
+mod scalar;
+pub mod wave;
+pub mod work;
 pub mod renderer;
 pub mod replay;
 pub mod bvh;

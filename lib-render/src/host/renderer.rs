@@ -3,16 +3,17 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use jerboa_backend_cranelift::{Binding, Status};
-use jerboa_ir::lang::Buf;
 use jerboa_scenes::{Camera, Scene};
 use rayon::prelude::*;
 
+use super::device::DeviceKind;
 use super::error::Error;
-use super::film::{Film, Window};
-use super::generate::{Generated, Keep, TracerKind, generate};
-use super::tables::{Choices, Known, Pass, Tables, frame};
-use crate::schema::{BUFFERS, Frame, Samples, binding};
+use super::film::Film;
+use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
+use super::scalar;
+use super::tables::{Choices, Known, Pass, Tables};
+use super::wave::Wave;
+use super::work::{Tiles, Whole, Work};
 
 /// Options of a renderer.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +30,25 @@ pub struct Options {
     pub seed: u32,
     /// What to keep for dumps.
     pub keep: Keep,
+    /// Where it runs.
+    pub device: DeviceKind,
+    /// How the device cuts its work. The image does not depend on it.
+    pub cut: Cut,
+}
+
+/// How a device cuts its work.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Cut {
+    /// Side of a tile in pixels.
+    pub tile: u32,
+    /// Paths in flight on each thread, at least 1.
+    pub slots: u32,
+}
+
+impl Default for Cut {
+    fn default() -> Cut {
+        Cut { tile: 16, slots: 4096 }
+    }
 }
 
 impl Default for Options {
@@ -41,6 +61,8 @@ impl Default for Options {
             spp: 64,
             seed: 0,
             keep: Keep::default(),
+            device: DeviceKind::default(),
+            cut: Cut::default(),
         }
     }
 }
@@ -49,9 +71,19 @@ impl Default for Options {
 pub struct Renderer {
     options: Options,
     tables: Tables,
-    generated: Generated,
+    device: Device,
     /// Wall time of laying the scene out, without the tree.
     pub tables_time: Duration,
+    /// Wall time of specialisation.
+    pub specialize_time: Duration,
+    /// Wall time of code generation.
+    pub codegen_time: Duration,
+}
+
+/// A device with its kernels.
+enum Device {
+    Cpu(Wave),
+    CpuScalar(Box<Generated>),
 }
 
 /// Which samples to render.
@@ -83,6 +115,11 @@ impl Handle {
         self.cancelled.load(Ordering::Relaxed)
     }
 
+    /// So many samples more are finished.
+    pub(crate) fn add_done(&self, samples: u64) {
+        self.done.fetch_add(samples, Ordering::Relaxed);
+    }
+
     /// Samples finished so far, over all pixels.
     pub fn samples_done(&self) -> u64 {
         self.done.load(Ordering::Relaxed)
@@ -102,10 +139,6 @@ pub struct Stats {
     pub time: Duration,
 }
 
-/// Side of a tile in pixels: a pass over one of its rows is little enough to wait for when a render is cancelled, and costs far
-/// more than starting it.
-const TILE: u32 = 16;
-
 /// Most samples of a pixel in one pass over a tile. The first passes are shorter, so that a render that is ended early has
 /// a sample everywhere.
 const SAMPLES_PER_PASS: u32 = 16;
@@ -119,8 +152,13 @@ impl Renderer {
         let start = Instant::now();
         let tables = Tables::new(scene, &options.choices, options.known);
         let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
-        let generated = generate(&tables, options.tracer, options.keep)?;
-        Ok(Renderer { options, tables, generated, tables_time })
+        let requests = options.device.requests(&tables, options.tracer);
+        let Kernels { mut kernels, specialize_time, codegen_time } = generate(&tables, &requests, options.keep)?;
+        let device = match options.device {
+            DeviceKind::Cpu => Device::Cpu(Wave::new(kernels, options.cut.slots)),
+            DeviceKind::CpuScalar => Device::CpuScalar(Box::new(kernels.remove(0))),
+        };
+        Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
     }
 
     /// The scene's tables.
@@ -128,9 +166,12 @@ impl Renderer {
         &self.tables
     }
 
-    /// The kernel, its residual and its reports.
-    pub fn generated(&self) -> &Generated {
-        &self.generated
+    /// The device's kernels, their residuals and reports, as [`DeviceKind::requests`] lists them.
+    pub fn kernels(&self) -> &[Generated] {
+        match &self.device {
+            Device::Cpu(wave) => wave.kernels(),
+            Device::CpuScalar(kernel) => std::slice::from_ref(&**kernel),
+        }
     }
 
     /// Add as many samples as the options say, those that follow on what the film has: tiles in parallel on rayon's
@@ -147,7 +188,7 @@ impl Renderer {
     /// Add these samples, with a handle on it. A cancelled render is no error: the film holds what was done.
     ///
     /// # Errors
-    /// When the samples reach beyond 2^32, or the kernel gives up: a fault of Jerboa.
+    /// When the samples reach beyond 2^32, or a kernel gives up: a fault of Jerboa.
     pub fn render_with(&self, camera: &Camera, film: &mut Film, job: Render, handle: &Handle) -> Result<Stats, Error> {
         if job.sample.checked_add(job.spp).is_none() {
             let Render { sample, spp, .. } = job;
@@ -155,29 +196,21 @@ impl Renderer {
         }
         let start = Instant::now();
         let mut stats = Stats::default();
-        let (size, tiles) = (film.size(), tiles(film.window()));
+        let (size, window) = (film.size(), film.window());
         let mut first = 0;
         while first < job.spp && !handle.is_cancelled() {
             let samples = first.clamp(1, SAMPLES_PER_PASS).min(job.spp - first);
-            let passes: Vec<Option<TileResult>> = tiles
-                .par_iter()
-                .map(|window| {
-                    let pass = Pass { size, window: *window, sample: job.sample + first, samples, seed: job.seed };
-                    let tile = self.tile(camera, &pass, handle)?;
-                    if tile.is_some() {
-                        handle.done.fetch_add(window.area() as u64 * u64::from(samples), Ordering::Relaxed);
-                    }
-                    Ok(tile)
-                })
-                .collect::<Result<_, Error>>()?;
-            let whole = passes.iter().all(Option::is_some);
-            for tile in passes.into_iter().flatten() {
-                stats.closest_rays += tile.closest;
-                stats.shadow_rays += tile.shadow;
-                film.merge(&tile.film)?;
-            }
+            let pass = Pass { size, window, sample: job.sample + first, samples, seed: job.seed };
+            let tiles = Tiles::new(camera, self.tables.origin, pass, self.options.cut.tile, film, handle);
+            (0..rayon::current_num_threads())
+                .into_par_iter()
+                .with_max_len(1)
+                .try_for_each(|_| self.run(&mut tiles.worker()))?;
+            let [closest, shadow] = tiles.rays();
+            stats.closest_rays += closest;
+            stats.shadow_rays += shadow;
             first += samples;
-            if whole {
+            if tiles.is_complete() {
                 stats.spp = first;
             }
         }
@@ -186,73 +219,21 @@ impl Renderer {
         Ok(stats)
     }
 
-    /// One pass over a tile, row by row; none if the render was cancelled meanwhile.
-    fn tile(&self, camera: &Camera, pass: &Pass, handle: &Handle) -> Result<Option<TileResult>, Error> {
-        let mut out = TileResult { film: Film::new(pass.window), closest: 0, shadow: 0 };
-        for y in pass.window.y..pass.window.y + pass.window.height {
-            if handle.is_cancelled() {
-                return Ok(None);
-            }
-            self.row(camera, &Pass { window: Window { y, height: 1, ..pass.window }, ..*pass }, &mut out)?;
-        }
-        Ok(Some(out))
-    }
-
-    /// One pass over a row of a tile, so few rays that cancelling need not end it (accuracy.md, N22): run the kernel over its
-    /// items and add what it leaves.
-    fn row(&self, camera: &Camera, pass: &Pass, out: &mut TileResult) -> Result<(), Error> {
-        let items = pass.window.area() * pass.samples as usize;
-        let samples = self.samples(camera, pass)?;
-        let column = |c: usize, i: usize| samples[c * items + i];
-        for i in 0..items {
-            let at = [pass.window.x + i as u32 / pass.samples, pass.window.y];
-            out.film.add(at, [0, 1, 2].map(|c| f32::from_bits(column(c, i))));
-            out.closest += u64::from(column(3, i));
-            out.shadow += u64::from(column(4, i));
-        }
-        Ok(())
-    }
-
-    /// What the kernel leaves for each sample of a pass: the words of the stream [`Samples`], column by column.
+    /// What the device leaves for each sample of a pass: the words of the stream [`crate::schema::Samples`], column by column.
+    ///
+    /// # Errors
+    /// When a kernel gives up: a fault of Jerboa.
     pub fn samples(&self, camera: &Camera, pass: &Pass) -> Result<Vec<u32>, Error> {
-        let items = pass.window.area() * pass.samples as usize;
-        let mut samples = vec![0_u32; items * Samples::COLUMNS.len()];
-        let mut frame = frame(camera, self.tables.origin, pass).words;
-        self.call(&mut frame, &mut samples, items as u32)?;
-        Ok(samples)
+        let mut work = Whole::new(camera, self.tables.origin, pass);
+        self.run(&mut work)?;
+        Ok(work.words)
     }
 
-    /// Run the kernel over items 0 .. count.
-    fn call(&self, frame: &mut [u32], samples: &mut [u32], count: u32) -> Result<(), Error> {
-        let table = |words: &[u32], rows: u32| Binding { words: words.as_ptr().cast_mut(), rows };
-        let mut bindings: Vec<Binding> = self.tables.memory.iter().map(|m| table(&m.words, m.rows)).collect();
-        bindings[binding::<Frame>()] = Binding::new(frame, 1);
-        bindings[binding::<Samples>()] = Binding::new(samples, count);
-        assert_eq!(bindings.len(), BUFFERS.len());
-        let kernel = self.generated.code.kernel(self.generated.kernel).expect("it was compiled under this name");
-        // SAFETY: each binding holds as many rows as it says, of the columns that the schema declares (`Tables::new`, tested);
-        // only the stream is written, and it is this call's own. Unchecked indices come from the tree, whose children and
-        // slots are in range by construction (`Bvh::build`). Threads of rayon and the main thread have the stack it asks for.
-        match unsafe { kernel.call(&bindings, &[0, count], &mut []) } {
-            Status::Done => Ok(()),
-            Status::Limit => {
-                Err(Error::new("the kernel recursed beyond its limit: a fault of Jerboa, please report the scene"))
-            }
+    /// Do some work on this thread.
+    fn run(&self, work: &mut impl Work) -> Result<(), Error> {
+        match &self.device {
+            Device::Cpu(wave) => wave.run(&self.tables, work),
+            Device::CpuScalar(kernel) => scalar::run(kernel, &self.tables, work),
         }
     }
-}
-
-/// What a pass over a tile left.
-struct TileResult {
-    film: Film,
-    closest: u64,
-    shadow: u64,
-}
-
-/// The tiles of a window, row by row.
-fn tiles(window: Window) -> Vec<Window> {
-    let cut = |start: u32, len: u32| (0..len).step_by(TILE as usize).map(move |o| (start + o, TILE.min(len - o)));
-    cut(window.y, window.height)
-        .flat_map(|(y, height)| cut(window.x, window.width).map(move |(x, width)| Window { x, y, width, height }))
-        .collect()
 }

@@ -143,6 +143,7 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
 }
 
 /// What a pass brings: camera, film, samples.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Pass {
     /// Film size in pixels.
     pub size: [u32; 2],
@@ -176,8 +177,6 @@ pub fn frame(camera: &Camera, origin: DVec3, pass: &Pass) -> Memory {
 
 #[cfg(test)]
 mod tests {
-    use jerboa_ir::lang::Buf;
-
     use super::*;
 
     #[test]
@@ -185,7 +184,7 @@ mod tests {
         let scene = Scene::load("builtin:cornell-box").expect("a built-in loads");
         let tables = Tables::new(&scene, &Choices::default(), Known::Structure);
         for (spec, memory) in schema::BUFFERS.iter().zip(&tables.memory) {
-            let stream = spec.0 == Samples::NAME;
+            let stream = spec.1 == jerboa_ir::BufKind::Stream;
             assert!(stream || memory.rows >= 1, "{} is empty", spec.0);
             assert_eq!(memory.words.len(), memory.rows as usize * spec.3.len(), "{}", spec.0);
         }

@@ -1,0 +1,166 @@
+//! The wavefront CPU device, IR half: kernels over streams of paths, each a loop over a range of rows (paper, section 4.7).
+//!
+//! A *wave* takes all paths in flight one vertex further:
+//!
+//! ```text
+//! generate   new paths                              -> Paths
+//! trace      the nearest hit of each ray            Paths -> Hits
+//!            (the host sorts row numbers by shader  Hits -> Order)
+//! shade      emission, shadow ray, next ray         Paths, Hits, Order -> Next, Shadows
+//! miss       what lies behind everything            Paths, Order -> Next
+//! shadow     adds what no one blocks                Shadows -> Next
+//! ```
+//!
+//! Then the host takes the radiance of paths that ended, and `Next` becomes `Paths`. What is sorted is numbers of rows: `shade`
+//! reads row `PATH` and writes row i, so that paths close ranks by themselves. `shade` is specialised once for each class
+//! of shaders and runs over the range of that class.
+//!
+//! A path adds the very numbers that the scalar device ([`super::cpu`]) adds, in its order, so both give the same bits.
+
+use jerboa_ir::lang::{Block, Bool, Exit, Fun, Keep, Row, Staged, U32, entry};
+
+use crate::core::color::{Color, black};
+use crate::cutout::make_accept;
+use crate::device::Device;
+use crate::device::cpu::item;
+use crate::geometry::make_geometry;
+use crate::ray::{Hit, Ray};
+use crate::schema::{Geometries, Hits, NONE, Next, Order, Paths, Primitives, Shadows};
+use crate::shader::make_shader;
+use crate::tracer::{RayState, Tracer};
+use crate::traverse::{TraverseFn, make_traverse};
+
+/// A device that takes many paths from vertex to vertex. The kernels that need no tracer are declared with it.
+pub fn make_stream_device() -> Device {
+    let traverse = make_traverse();
+    kernel("trace", |b, (lo, hi)| rows(b, lo, hi, |b, i| trace(b, traverse, i)));
+    kernel("shadow", |b, (lo, hi)| rows(b, lo, hi, |b, i| shadow(b, traverse, i)));
+    Device { trace: shading }
+}
+
+/// Name of a kernel that needs a tracer; the path tracer's have short names.
+pub fn kernel_name(tracer: &str, stage: &str) -> String {
+    if tracer == "path" { stage.into() } else { format!("{tracer}_{stage}") }
+}
+
+/// Declare the kernels of a tracer.
+fn shading(name: &str, tracer: Tracer) {
+    let name = |stage| kernel_name(name, stage);
+    kernel(&name("generate"), |b, (lo, hi, first, number): (U32, U32, U32, U32)| {
+        rows(b, lo, hi, |b, i| generate(b, tracer, i, first + (i - lo), number + (i - lo)));
+    });
+    kernel(&name("shade"), |b, (class, lo, hi): (Row<Geometries>, U32, U32)| {
+        rows(b, lo, hi, |b, i| shade(b, tracer, class, i));
+    });
+    kernel(&name("miss"), |b, (lo, hi)| rows(b, lo, hi, |b, i| miss(b, tracer, i)));
+}
+
+/// Declare an entry.
+fn kernel<A: Staged>(name: &str, body: impl FnOnce(&mut Block, A)) {
+    entry(name, Fun::<A, ()>::named(name, body));
+}
+
+/// Do something for each row of a range.
+fn rows(b: &mut Block, lo: U32, hi: U32, body: impl FnOnce(&mut Block, U32)) {
+    b.while_(
+        lo,
+        |_, i| i.lt(hi),
+        |b, i| {
+            body(b, i);
+            i + 1u32
+        },
+    );
+}
+
+/// What a path carries besides its ray: its state, its sum, its numbers of rays, closest and shadow, and its number.
+type Carried = (RayState, Color, U32, U32, U32);
+
+/// Start path i with an item of the pass.
+fn generate(b: &mut Block, tracer: Tracer, i: U32, at: U32, number: U32) {
+    let (x, y, sample) = item(at);
+    let (ray, state) = tracer.on_emit.call(b, (x, y, sample));
+    let carried: Carried = (state, black(), 0.into(), 0.into(), number);
+    b.store_record(Paths::ORG_X, i, (ray, carried));
+    b.store(Paths::ALIVE, i, true);
+}
+
+/// Find the nearest hit of path i, if it has a ray, and who shades it.
+fn trace(b: &mut Block, traverse: TraverseFn, i: U32) {
+    let alive: Bool = b.load(Paths::ALIVE, i);
+    b.when(alive, |b| {
+        let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, i);
+        let hit = traverse.call(b, (ray, Keep(false.into()), make_accept(state)));
+        b.store_record(Hits::PRIMITIVE, i, hit);
+        let class = b.if_(hit.is_hit(), |_| geometry(hit).get(Geometries::CLASS), |_| U32::from(NONE));
+        b.store(Hits::CLASS, i, class);
+    });
+}
+
+/// The geometry that was hit.
+fn geometry(hit: Hit) -> Row<Geometries> {
+    Row::at(Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY))
+}
+
+/// Shade row i: add what the surface emits, ask for light, go on or end. All rows of the range are of one class.
+fn shade(b: &mut Block, tracer: Tracer, class: Row<Geometries>, i: U32) {
+    let path: U32 = b.load(Order::PATH, i);
+    let (ray, carried): (Ray, Carried) = b.load_record(Paths::ORG_X, path);
+    let hit: Hit = b.load_record(Hits::PRIMITIVE, path);
+    let row = class.sibling(geometry(hit).index());
+    b.dispatch(row, |b, row| vertex(b, tracer, row, i, ray, carried, hit));
+}
+
+/// One vertex of a path, whose row of geometry is known by class.
+fn vertex(b: &mut Block, tracer: Tracer, row: Row<Geometries>, i: U32, ray: Ray, carried: Carried, hit: Hit) {
+    let (state, sum, closest, shadow, number) = carried;
+    let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
+    let surf = geometry.surface_element.call(b, (ray, hit));
+    let mat = geometry.shader.call(b, (ray, hit, surf));
+    let sum = sum + tracer.on_hit.call(b, (ray, hit, state, surf, mat));
+
+    let asked = b.label(|b, asked: Exit<Bool>| {
+        let emit = Exit::exits(|b, (ray, contribution): (Ray, Color)| {
+            b.store_record(Shadows::ORG_X, i, (ray, contribution));
+            asked.take(b, true.into())
+        });
+        let skip = Exit::exits(|b, ()| asked.take(b, false.into()));
+        tracer.on_shadow.take(b, (ray, hit, state, surf, mat, emit, skip))
+    });
+    b.store(Shadows::ASKED, i, asked);
+    // Light that is not asked for is black; what is asked for is added when the shadow ray has been traced.
+    let (sum, shadow) = asked.select((sum, shadow + 1u32), (sum + black(), shadow));
+    b.store_record(Next::R, i, (sum, closest + 1u32, shadow, number));
+
+    let alive = b.label(|b, alive: Exit<Bool>| {
+        let bounce = Exit::exits(|b, next: (Ray, RayState)| {
+            b.store_record(Next::ORG_X, i, next);
+            alive.take(b, true.into())
+        });
+        let end = Exit::exits(|b, ()| alive.take(b, false.into()));
+        tracer.on_bounce.take(b, (ray, hit, state, surf, mat, bounce, end))
+    });
+    b.store(Next::ALIVE, i, alive);
+}
+
+/// End the path of row i, which has hit nothing.
+fn miss(b: &mut Block, tracer: Tracer, i: U32) {
+    let path: U32 = b.load(Order::PATH, i);
+    let (ray, (state, sum, closest, shadow, number)): (Ray, Carried) = b.load_record(Paths::ORG_X, path);
+    let sky = tracer.on_miss.call(b, (ray, state));
+    b.store_record(Next::R, i, (sum + sky, closest + 1u32, shadow, number, Bool::from(false)));
+}
+
+/// Trace the shadow ray of row i, if there is one.
+fn shadow(b: &mut Block, traverse: TraverseFn, i: U32) {
+    let asked: Bool = b.load(Shadows::ASKED, i);
+    b.when(asked, |b| {
+        let path: U32 = b.load(Order::PATH, i);
+        let (ray, contribution): (Ray, Color) = b.load_record(Shadows::ORG_X, i);
+        let state: RayState = b.load_record(Paths::RNG_START, path);
+        // The way to the light is another edge of the path than the one that led here, so cut-outs decide anew.
+        let edge = RayState { vertex: state.vertex + 1u32, ..state };
+        let blocked = traverse.call(b, (ray, Keep(true.into()), make_accept(edge))).is_hit();
+        let sum: Color = b.load_record(Next::R, i);
+        b.store_record(Next::R, i, sum + blocked.select(black(), contribution));
+    });
+}

@@ -1,0 +1,35 @@
+//! The scalar CPU device, host half: one kernel, which follows each path of a batch from the camera to its end.
+
+use jerboa_backend_cranelift::Binding;
+use jerboa_ir::lang::Buf;
+
+use super::dispatch::{call, tables_bound};
+use super::error::Error;
+use super::generate::Generated;
+use super::tables::Tables;
+use super::work::Work;
+use crate::schema::{Frame, Samples, binding};
+
+/// Items of a batch: so few rays that cancelling need not end it (accuracy.md, N22), and far more work than starting it.
+const BATCH: u32 = 256;
+
+/// Trace all items.
+///
+/// # Errors
+/// When the kernel gives up: a fault of Jerboa.
+pub fn run(kernel: &Generated, tables: &Tables, work: &mut impl Work) -> Result<(), Error> {
+    let mut samples = [0; BATCH as usize * Samples::COLUMNS.len()];
+    let mut bindings = tables_bound(tables);
+    while !work.is_cancelled()
+        && let Some(mut batch) = work.next(BATCH)
+    {
+        bindings[binding::<Frame>()] = Binding::new(&mut batch.frame, 1);
+        bindings[binding::<Samples>()] = Binding::new(&mut samples, batch.count);
+        call(kernel, &bindings, &[batch.first, batch.count])?;
+        for i in 0..batch.count {
+            let column = |c: usize| samples[c * batch.count as usize + i as usize];
+            work.done(batch.number + i, std::array::from_fn(column));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,203 @@
+//! The wavefront CPU device, host half: each thread keeps many paths in flight and takes them from vertex to vertex, all at
+//! once; see [`crate::device::stream`] for the kernels.
+//!
+//! Paths that end make room for new ones, so that a wave stays full while there is work. Results do not depend on how many
+//! are in flight.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use jerboa_backend_cranelift::Binding;
+use jerboa_ir::lang::{Buf, Col};
+
+use super::dispatch::{call, tables_bound};
+use super::error::Error;
+use super::generate::Generated;
+use super::tables::Tables;
+use super::work::Work;
+use crate::schema::{Frame, Hits, NONE, Next, Order, Paths, Shadows, binding};
+
+/// The device for one scene.
+pub struct Wave {
+    /// As [`super::device::DeviceKind::requests`] lists them.
+    kernels: Vec<Generated>,
+    /// Paths in flight on each thread.
+    slots: u32,
+    /// Streams that no thread uses just now.
+    idle: Mutex<Vec<Streams>>,
+}
+
+const GENERATE: usize = 0;
+const TRACE: usize = 1;
+const MISS: usize = 2;
+const SHADOW: usize = 3;
+/// The first class of shaders; the others follow.
+const SHADE: usize = 4;
+
+impl Wave {
+    /// A device with so many paths in flight on each thread, at least 1.
+    pub fn new(kernels: Vec<Generated>, slots: u32) -> Wave {
+        Wave { kernels, slots, idle: Mutex::default() }
+    }
+
+    /// The kernels.
+    pub fn kernels(&self) -> &[Generated] {
+        &self.kernels
+    }
+
+    /// Trace all items, on this thread.
+    ///
+    /// # Errors
+    /// When a kernel gives up: a fault of Jerboa.
+    pub fn run(&self, tables: &Tables, work: &mut impl Work) -> Result<(), Error> {
+        let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let streams = idle().pop().unwrap_or_else(|| Streams::new(self.slots as usize));
+        let mut thread = Thread { wave: self, bindings: tables_bound(tables), streams, rows: 0, live: 0 };
+        while !work.is_cancelled() {
+            thread.refill(work)?;
+            if thread.live == 0 {
+                break;
+            }
+            thread.wave()?;
+            thread.retire(work);
+        }
+        idle().push(thread.streams);
+        Ok(())
+    }
+}
+
+/// A stream in memory, column by column.
+struct Stream {
+    words: Vec<u32>,
+    rows: usize,
+}
+
+impl Stream {
+    /// Room for so many rows, at least.
+    fn new<B: Buf>(rows: usize) -> Stream {
+        // Columns at a distance of a power of two would fall on the same few lines of the cache.
+        let rows = rows.next_multiple_of(1024) + 48;
+        Stream { words: vec![0; rows * B::COLUMNS.len()], rows }
+    }
+
+    fn bind(&mut self) -> Binding {
+        Binding::new(&mut self.words, self.rows as u32)
+    }
+
+    fn column<B, T>(&self, column: Col<B, T>) -> &[u32] {
+        &self.words[column.0 as usize * self.rows..][..self.rows]
+    }
+}
+
+/// The streams of one thread. After a wave the rows of paths that ended lie among the others, and new paths come behind:
+/// so there are two rows of paths for each slot.
+struct Streams {
+    paths: Stream,
+    next: Stream,
+    hits: Stream,
+    order: Stream,
+    shadows: Stream,
+}
+
+impl Streams {
+    fn new(slots: usize) -> Streams {
+        Streams {
+            paths: Stream::new::<Paths>(2 * slots),
+            next: Stream::new::<Next>(2 * slots),
+            hits: Stream::new::<Hits>(2 * slots),
+            order: Stream::new::<Order>(slots),
+            shadows: Stream::new::<Shadows>(slots),
+        }
+    }
+}
+
+/// What a thread is at.
+struct Thread<'w> {
+    wave: &'w Wave,
+    bindings: Vec<Binding>,
+    streams: Streams,
+    /// Rows of `paths` that hold a path, ended or not.
+    rows: u32,
+    /// Paths among them that go on.
+    live: u32,
+}
+
+impl Thread<'_> {
+    /// Start new paths in place of those that ended.
+    fn refill(&mut self, work: &mut impl Work) -> Result<(), Error> {
+        while self.live < self.wave.slots
+            && let Some(mut batch) = work.next(self.wave.slots - self.live)
+        {
+            self.bindings[binding::<Frame>()] = Binding::new(&mut batch.frame, 1);
+            let end = self.rows + batch.count;
+            self.dispatch(GENERATE, &[self.rows, end, batch.first, batch.number])?;
+            self.rows = end;
+            self.live += batch.count;
+        }
+        Ok(())
+    }
+
+    /// Take all live paths one vertex further: they become the rows of `next`.
+    fn wave(&mut self) -> Result<(), Error> {
+        self.dispatch(TRACE, &[0, self.rows])?;
+        let ranges = self.sort();
+        let (missed, hit) = ranges.split_last().expect("there is the range of misses");
+        for (class, range) in hit.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
+            self.dispatch(SHADE + class, &[0, range.start, range.end])?;
+        }
+        self.dispatch(MISS, &[missed.start, missed.end])?;
+        self.dispatch(SHADOW, &[0, missed.start])
+    }
+
+    /// Counting sort: the rows of live paths by class into `order`, ascending within a class. Gives the range of each class and,
+    /// last, of what has hit nothing.
+    fn sort(&mut self) -> Vec<Range<u32>> {
+        let shaders = self.wave.kernels.len() - SHADE;
+        let Streams { paths, hits, order, .. } = &mut self.streams;
+        let (alive, class) = (paths.column(Paths::ALIVE), hits.column(Hits::CLASS));
+        // One kernel shades all classes if there are too many.
+        let place = |row: usize| if class[row] == NONE { shaders } else { (class[row] as usize).min(shaders - 1) };
+        let live = || (0..self.rows as usize).filter(|row| alive[*row] != 0);
+        let mut ends = vec![0; shaders + 1];
+        live().for_each(|row| ends[place(row)] += 1);
+        let mut end = 0;
+        for count in &mut ends {
+            end += *count;
+            *count = end - *count;
+        }
+        let starts = ends.clone();
+        for row in live() {
+            let end = &mut ends[place(row)];
+            order.words[*end as usize] = row as u32;
+            *end += 1;
+        }
+        starts.into_iter().zip(ends).map(|(start, end)| start..end).collect()
+    }
+
+    /// Bring back what ended; what is left becomes `paths`.
+    fn retire(&mut self, work: &mut impl Work) {
+        std::mem::swap(&mut self.streams.paths, &mut self.streams.next);
+        let paths = &self.streams.paths;
+        let sample = [Paths::R, Paths::G, Paths::B].map(|c| paths.column(c));
+        let rays = [Paths::CLOSEST, Paths::SHADOW].map(|c| paths.column(c));
+        let (alive, item) = (paths.column(Paths::ALIVE), paths.column(Paths::ITEM));
+        self.rows = self.live;
+        for row in (0..self.rows as usize).filter(|row| alive[*row] == 0) {
+            let [r, g, b] = sample.map(|c| c[row]);
+            let [closest, shadow] = rays.map(|c| c[row]);
+            work.done(item[row], [r, g, b, closest, shadow]);
+            self.live -= 1;
+        }
+    }
+
+    /// Run a kernel.
+    fn dispatch(&mut self, kernel: usize, args: &[u32]) -> Result<(), Error> {
+        let Streams { paths, next, hits, order, shadows } = &mut self.streams;
+        self.bindings[binding::<Paths>()] = paths.bind();
+        self.bindings[binding::<Next>()] = next.bind();
+        self.bindings[binding::<Hits>()] = hits.bind();
+        self.bindings[binding::<Order>()] = order.bind();
+        self.bindings[binding::<Shadows>()] = shadows.bind();
+        call(&self.wave.kernels[kernel], &self.bindings, args)
+    }
+}

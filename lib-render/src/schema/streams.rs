@@ -1,0 +1,158 @@
+//! Streams: what kernels leave for each other and for the host, one row for each path in flight.
+
+use jerboa_ir::stream;
+
+stream! {
+    /// What a kernel leaves for each sample of each pixel of a pass.
+    pub Samples {
+        /// Red radiance.
+        R: F32;
+        /// Green.
+        G: F32;
+        /// Blue.
+        B: F32;
+        /// Closest-hit rays traced.
+        CLOSEST: U32;
+        /// Shadow rays traced.
+        SHADOW: U32;
+    }
+}
+
+/// The columns of a stream of paths; there are two, and a wave goes from one to the other.
+macro_rules! paths {
+    ($(#[$doc:meta])* $name:ident) => {
+        stream! {
+            $(#[$doc])*
+            pub $name {
+                /// The record `Ray`.
+                ORG_X: F32;
+                /// See `ORG_X`.
+                ORG_Y: F32;
+                /// See `ORG_X`.
+                ORG_Z: F32;
+                /// See `ORG_X`.
+                DIR_X: F32;
+                /// See `ORG_X`.
+                DIR_Y: F32;
+                /// See `ORG_X`.
+                DIR_Z: F32;
+                /// See `ORG_X`.
+                TMAX: F32;
+                /// See `ORG_X`.
+                SKIP: U32;
+                /// See `ORG_X`.
+                SKIP1: U32;
+                /// See `ORG_X`.
+                SKIP2: U32;
+                /// The record `RayState`.
+                RNG_START: U32;
+                /// See `RNG_START`.
+                RNG_STEP: U32;
+                /// See `RNG_START`.
+                RNG_DIM: U32;
+                /// See `RNG_START`.
+                VERTEX: U32;
+                /// See `RNG_START`.
+                THROUGHPUT_R: F32;
+                /// See `RNG_START`.
+                THROUGHPUT_G: F32;
+                /// See `RNG_START`.
+                THROUGHPUT_B: F32;
+                /// See `RNG_START`.
+                RADIANCE_SCALE: F32;
+                /// See `RNG_START`.
+                PDF_DIR: F32;
+                /// See `RNG_START`.
+                IS_SPECULAR: Bool;
+                /// See `RNG_START`.
+                ABSORPTION_R: F32;
+                /// See `RNG_START`.
+                ABSORPTION_G: F32;
+                /// See `RNG_START`.
+                ABSORPTION_B: F32;
+                /// Radiance so far.
+                R: F32;
+                /// Green.
+                G: F32;
+                /// Blue.
+                B: F32;
+                /// Closest-hit rays so far.
+                CLOSEST: U32;
+                /// Shadow rays so far.
+                SHADOW: U32;
+                /// The host's number of the sample.
+                ITEM: U32;
+                /// Is there a ray to trace?
+                ALIVE: Bool;
+            }
+        }
+    };
+}
+
+paths! {
+    /// The paths of a wave.
+    Paths
+}
+
+paths! {
+    /// The same paths one vertex further, in the order of shading.
+    Next
+}
+
+stream! {
+    /// Where the rays of [`Paths`] end, row by row.
+    pub Hits {
+        /// The record `Hit`.
+        PRIMITIVE: U32;
+        /// See [`Hits::PRIMITIVE`].
+        T: F32;
+        /// See [`Hits::PRIMITIVE`].
+        U: F32;
+        /// See [`Hits::PRIMITIVE`].
+        V: F32;
+        /// Class of the primitive's row of `Geometries`: its shader; `NONE` for a miss.
+        CLASS: U32;
+    }
+}
+
+stream! {
+    /// Rows of [`Paths`] by shader: row i of [`Next`] comes from row `PATH` of it.
+    pub Order {
+        /// A row of [`Paths`].
+        PATH: U32;
+    }
+}
+
+stream! {
+    /// Shadow rays, for the rows of [`Next`].
+    pub Shadows {
+        /// The record `Ray`.
+        ORG_X: F32;
+        /// See [`Shadows::ORG_X`].
+        ORG_Y: F32;
+        /// See [`Shadows::ORG_X`].
+        ORG_Z: F32;
+        /// See [`Shadows::ORG_X`].
+        DIR_X: F32;
+        /// See [`Shadows::ORG_X`].
+        DIR_Y: F32;
+        /// See [`Shadows::ORG_X`].
+        DIR_Z: F32;
+        /// See [`Shadows::ORG_X`].
+        TMAX: F32;
+        /// See [`Shadows::ORG_X`].
+        SKIP: U32;
+        /// See [`Shadows::ORG_X`].
+        SKIP1: U32;
+        /// See [`Shadows::ORG_X`].
+        SKIP2: U32;
+        /// What it carries if nothing blocks it.
+        R: F32;
+        /// Green.
+        G: F32;
+        /// Blue.
+        B: F32;
+        /// Is there a shadow ray?
+        ASKED: Bool;
+    }
+}
