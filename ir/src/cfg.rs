@@ -65,7 +65,8 @@ impl<'p> Exit<'p> {
         }
     }
 
-    /// Calls `f` with each node of continuation type where a body other than a jump goes on.
+    /// Calls `f` with each node of continuation type where a body other than a jump goes on. The body of a `vectorize` is
+    /// none of these: it is called.
     pub fn arms(body: &Body, f: &mut dyn FnMut(NodeId)) {
         match body {
             Body::Branch { then, other, .. } => [*then, *other].into_iter().for_each(f),
@@ -73,7 +74,10 @@ impl<'p> Exit<'p> {
                 arms.iter().for_each(|(_, arm)| f(*arm));
                 f(*default)
             }
-            Body::Load { next, .. } | Body::Store { next, .. } | Body::Local { next, .. } => f(*next),
+            Body::Load { next, .. }
+            | Body::Store { next, .. }
+            | Body::Vectorize { next, .. }
+            | Body::Local { next, .. } => f(*next),
             Body::Unset | Body::Jump { .. } | Body::Dispatch { .. } => {}
         }
     }
@@ -90,7 +94,7 @@ pub struct Block {
     pub preds: Vec<u32>,
 }
 
-/// A call of one function by another.
+/// A call of one function by another; a `vectorize` calls its body.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Call {
     /// The callee's place in [`Cfg::functions`].
@@ -282,6 +286,12 @@ fn successors(
         }
         Exit::Arms => {
             let mut computed = false;
+            if let Body::Vectorize { body, .. } = &p.cont(cont).body {
+                match p.node(*body) {
+                    Node::Cont(callee) => calls.push((*callee, false)),
+                    _ => computed = true,
+                }
+            }
             Exit::arms(&p.cont(cont).body, &mut |arm| match p.node(arm) {
                 Node::Cont(c) => succs.push(*c),
                 _ => computed = true,

@@ -11,6 +11,7 @@ mod eval;
 mod heap;
 mod machine;
 mod memory;
+mod vectorize;
 
 use std::fmt;
 
@@ -97,6 +98,8 @@ pub struct Interp<'p> {
     shapes: Vec<Shape>,
     /// The first thing out of scope, if any.
     fault: Option<Stop>,
+    /// In which order the iterations of a `vectorize` run: ascending, or as this number says.
+    order: Option<u64>,
 }
 
 /// The cell of a node: in the frame at `level` of the nesting. Constants have a frame of their own at level 0.
@@ -138,7 +141,13 @@ impl<'p> Interp<'p> {
             .faults
             .first()
             .map(|(c, message)| Stop::Fault { loc: program.cont(*c).loc, message: message.clone() });
-        Interp { program, places, shapes, fault }
+        Interp { program, places, shapes, fault, order: None }
+    }
+
+    /// Run the iterations of each `vectorize` in an order that this number chooses. No order changes a result; a test
+    /// that finds one has found iterations that are not independent.
+    pub fn shuffled(self, order: u64) -> Interp<'p> {
+        Interp { order: Some(order), ..self }
     }
 
     /// Run a continuation whose last parameter is its return, and give what it returns.

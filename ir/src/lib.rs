@@ -74,6 +74,15 @@
 //! often a pure node is computed cannot be observed: every operation is total ([`op`]), reads of tables are clamped and
 //! tables do not change while a kernel runs. [`interp`] *is* the meaning; every other engine gives the same bits.
 //!
+//! # Independent iterations
+//! `vectorize width lo hi body(args) -> next` calls `body(args…, i, k)` for each i from `lo` up to `hi`, and `k` ends an
+//! iteration. What it means does not depend on the order, because no iteration touches what another one writes
+//! ([`mod@verify`] has the rules of that), so a back end may run `width` of them at once, as the lanes of vectors. In a generic
+//! program the body is written in place ([`lang::Block::vectorize`]) and what it captures is uniform; in a residual it is a
+//! function, and what it captured are its arguments. The interpreter runs iterations in ascending order, or shuffled where
+//! a test asks for it ([`interp::Interp::shuffled`]). Lane code, which a back end makes of a body, has vectors in memory:
+//! gathers, scatters and runs under masks ([`Mem`]).
+//!
 //! # Scope
 //! Nesting is not written down, it follows from free variables ([`scope`]): what uses a parameter belongs to the
 //! parameter's continuation, and so does what mentions something that does. The owners of one term's free parameters form
@@ -99,6 +108,9 @@
 //! | gather, scatter | a load, a store of a vector, each lane at an index of its own |
 //! | run | a load or store of a vector in rows that follow each other |
 //! | mask | which lanes of a vector are stored |
+//! | `vectorize` | a loop whose iterations are independent; its body is a function of the index |
+//! | uniform | the same in all iterations of a `vectorize` |
+//! | varying | not uniform |
 //! | class | rows of a table that agree in every known column |
 //! | binding time | structure, value or bulk: at which level of knowledge a column is known |
 //! | generic program | as authors write it; higher-order |

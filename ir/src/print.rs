@@ -190,6 +190,10 @@ impl Printer<'_> {
                 let when = if *mask == NodeId::NONE { String::new() } else { format!(" when {}", op(mask)) };
                 format!("store {} {} {}{when} -> {}", mem(m), op(index), op(value), op(next))
             }
+            Body::Vectorize { width, lo, hi, body, args, next } => {
+                let args = args.iter().map(op).collect::<Vec<_>>().join(", ");
+                format!("vectorize {width} {} {} {}({args}) -> {}", op(lo), op(hi), op(body), op(next))
+            }
             Body::Local { scalar, len, next } => format!("local {} {len} -> {}", scalar.name(), op(next)),
         }
     }

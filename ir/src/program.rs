@@ -313,6 +313,24 @@ pub enum Body {
         /// `fn()`.
         next: NodeId,
     },
+    /// Call `body(args…, i, k)` for each `i` from `lo` up to, not including, `hi`, where `k` is the end of an iteration; then
+    /// go on in `next`. Iterations are independent: any order, and any number of them at once, gives the same bits
+    /// ([`crate::verify_residual`] has the rules).
+    Vectorize {
+        /// How many iterations to run at once, a hint: 4, 8 or 16.
+        width: u8,
+        /// The first index, a `u32`.
+        lo: NodeId,
+        /// One past the last index, a `u32`; no iteration where it is not above `lo`.
+        hi: NodeId,
+        /// `fn(args…, u32, fn())`.
+        body: NodeId,
+        /// What is the same in all iterations. Empty in generic programs, where the body captures it; in a residual the
+        /// body is a function and captures nothing.
+        args: Vec<NodeId>,
+        /// `fn()`.
+        next: NodeId,
+    },
     /// Make a local array, all zero, and pass it to `next`. It lives until the enclosing function returns.
     Local {
         /// Element type.
@@ -532,6 +550,9 @@ impl Body {
                     f(*mask);
                 }
                 f(*next)
+            }
+            Body::Vectorize { lo, hi, body, args, next, .. } => {
+                args.iter().chain([lo, hi, body, next]).copied().for_each(f)
             }
             Body::Local { next, .. } => f(*next),
         }

@@ -70,7 +70,7 @@ pub struct Stats {
     pub floats: usize,
     /// Continuations.
     pub conts: usize,
-    /// Jumps to a direct-style function.
+    /// Jumps to a direct-style function, and loops that call one (`vectorize`).
     pub calls: usize,
     /// Continuations used as values: not as a jump's target, a branch's arm, a `next` or a call's return.
     pub closures: usize,
@@ -106,6 +106,10 @@ impl Stats {
                     stats.closures += values.iter().map(|x| cont_as_value(*x)).sum::<usize>();
                 }
                 Body::Branch { .. } | Body::Switch { .. } | Body::Dispatch { .. } => stats.branches += 1,
+                Body::Vectorize { args, .. } => {
+                    stats.calls += 1;
+                    stats.closures += args.iter().map(|x| cont_as_value(*x)).sum::<usize>();
+                }
                 Body::Load { .. } => stats.loads += 1,
                 Body::Store { .. } => stats.stores += 1,
                 Body::Local { .. } | Body::Unset => {}

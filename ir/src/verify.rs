@@ -16,12 +16,14 @@
 //! | `dispatch` | the arm takes one row of that table |
 //! | `memory` | streams are loaded and stored, tables only loaded (unchecked); index, value and `next` fit |
 //! | `mask` | a store of a vector has a `bool` for each lane; a store of a scalar has no mask |
+//! | `vectorize` | the width is 4, 8 or 16; bounds, body and `next` fit; the body uses no exit and no local array from outside |
 //! | `array` | a local array has elements and is not passed to a return, which would outlive it |
 //! | `scope` | a value is used only where it is made |
 //!
 //! [`verify_residual`] adds the rules of first-order programs (Law 4); they stand in its own table. Only what is printed
 //! is judged (what the entries reach), except by `number`.
 
+mod independent;
 mod jumps;
 mod residual;
 
@@ -243,6 +245,7 @@ impl Verifier<'_> {
     fn scope(&mut self) {
         let reached: FxHashSet<ContId> = self.reach.conts.iter().copied().collect();
         let scope = Scope::new(self.p);
+        self.captures(&scope);
         for (name, cont) in &self.p.entries {
             if let Some(x) = scope.free[cont.index()].first() {
                 let what = format!("entry `{name}` uses {} of another continuation", self.describe(*x));

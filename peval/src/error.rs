@@ -47,6 +47,13 @@ pub enum Error {
         /// What arrived later.
         second: Place,
     },
+    /// The body of a `vectorize` is no function of its own: it reaches an exit or a local array of the function around it.
+    NotIndependent {
+        /// The body.
+        body: Place,
+        /// The calls that led there, outermost first.
+        chain: Vec<Place>,
+    },
     /// A budget is used up and nothing is left to generalise: a function argument grows (Law 5).
     Budget {
         /// The function whose copies grow.
@@ -58,7 +65,8 @@ pub enum Error {
         /// How many copies there are.
         copies: u32,
     },
-    /// The residual is not first-order (Law 4): a mistake of the evaluator, or of a program that the verifier refuses.
+    /// The residual is not first-order (Law 4): a mistake of the evaluator, or of a program that the verifier refuses. Or
+    /// iterations of a `vectorize` are not independent: a mistake of the author's that shows in a residual only.
     NotFirstOrder {
         /// The entry.
         entry: String,
@@ -90,6 +98,12 @@ impl fmt::Display for Error {
                 "two functions meet at the join {join} of an unknown branch: {first} and {second}; choose inside the \
                  function, or ask for a copy per branch with `.per_branch()`"
             ),
+            Error::NotIndependent { body, chain: calls } => write!(
+                f,
+                "an iteration of `vectorize`, {body}, uses an exit or a local array of the function around it; calls: {}; \
+                 make the array inside, and let the iteration come to its end",
+                chain(calls)
+            ),
             Error::Budget { function, argument, chain: calls, copies } => write!(
                 f,
                 "{function} has {copies} copies because {argument} grows with each call; calls: {}; make that argument \
@@ -97,7 +111,7 @@ impl fmt::Display for Error {
                 chain(calls)
             ),
             Error::NotFirstOrder { entry, faults } => {
-                write!(f, "the residual of `{entry}` is not first-order; is the program verified?")?;
+                write!(f, "the residual of `{entry}` breaks rules; is the program verified?")?;
                 faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
             }
             Error::TooLarge { nodes, chain: calls } => {

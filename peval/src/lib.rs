@@ -43,6 +43,8 @@
 //!   false            stay: B ends in a jump to a residual block or function for (c, ρ', what is kept of v…), which is
 //!                    looked up, or made once. Closures are kept, scalars become parameters
 //! load, store        B ends in it and goes on in a new block
+//! vectorize          B ends in it; its body stays as a function, whose unknowns it passes. Nothing where bounds are known
+//!                    to hold nothing
 //! return             an opaque exit: B ends in a jump to the residual function's return
 //! ```
 //!
@@ -61,7 +63,7 @@
 //!
 //! # What is where
 //! `value`, `frame`: values and environments · `eval`: pure nodes · `machine`: bodies · `call`: decisions and blocks ·
-//! `lift`: functions · `copies`: what must not meet or grow · `emit`: writing blocks · `facts`: what is known of tables · `budget`, `error`, `log`, `report` · `tidy`: the passes.
+//! `lift`: functions · `vectorize`: loops over them · `copies`: what must not meet or grow · `emit`: writing blocks · `facts`: what is known of tables · `budget`, `error`, `log`, `report` · `tidy`: the passes.
 
 mod budget;
 mod call;
@@ -77,6 +79,7 @@ mod machine;
 mod report;
 mod tidy;
 mod value;
+mod vectorize;
 
 use std::time::Instant;
 

@@ -72,6 +72,21 @@ impl Machine<'_> {
             return Ok(None);
         };
         let (ret, args) = args.split_last().expect("a function has a return");
+        let Some((callee, mut actuals)) = self.function(c, parent, args, ret_ty, reason)? else { return Ok(None) };
+        actuals.push(self.return_point(*ret, ret_ty, cont.params[args.len()].ty));
+        Ok(Some(self.leave(Body::Jump { callee, args: actuals, mode: Mode::Filter }, cont.loc)))
+    }
+
+    /// The residual function of a call, which may be there already, and what to pass to it but the return; `None` where
+    /// there is no such function.
+    pub(crate) fn function(
+        &mut self,
+        c: ContId,
+        parent: FrameId,
+        args: &[Value],
+        ret_ty: Ty,
+        reason: Reason,
+    ) -> Result<Option<(NodeId, Vec<NodeId>)>, Error> {
         let Some(lift) = self.lift(c, parent, args, reason) else { return Ok(None) };
         let function = match self.functions.get(&lift.key[..]) {
             Some(function) => {
@@ -84,10 +99,8 @@ impl Machine<'_> {
                 self.make_function(c, parent, args, &lift, ret_ty, reason)?
             }
         };
-        let mut actuals = [lift.unknowns, lift.actuals].concat();
-        actuals.push(self.return_point(*ret, ret_ty, cont.params[args.len()].ty));
-        let callee = self.world.cont_value(function);
-        Ok(Some(self.leave(Body::Jump { callee, args: actuals, mode: Mode::Filter }, cont.loc)))
+        let actuals = [lift.unknowns, lift.actuals].concat();
+        Ok(Some((self.world.cont_value(function), actuals)))
     }
 
     /// Where a residual call goes on: the own return (a tail call), or a new block that takes the results.

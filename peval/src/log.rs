@@ -55,6 +55,8 @@ pub enum Decision {
     Shared,
     /// A dispatch: the body once per class.
     Classes(u32),
+    /// Its body is never evaluated.
+    Dropped,
 }
 
 /// Why a call was decided as it was.
@@ -64,6 +66,8 @@ pub enum Reason {
     Filter(bool),
     /// The call site says "now" or "later".
     Mode,
+    /// It is the body of a `vectorize`.
+    Vectorize,
     /// A budget is used up.
     Budget,
     /// Chaos, for tests.
@@ -102,6 +106,7 @@ impl fmt::Display for Call {
         match self.reason {
             Reason::Filter(value) => write!(f, "filter {value}, ")?,
             Reason::Mode => f.write_str("as the call says, ")?,
+            Reason::Vectorize => f.write_str("body of a vectorize, ")?,
             Reason::Budget => f.write_str("over budget, ")?,
             Reason::Chaos => f.write_str("chaos, ")?,
         }
@@ -110,6 +115,7 @@ impl fmt::Display for Call {
             Decision::Block => f.write_str("stays as a block")?,
             Decision::Function => f.write_str("stays as a function")?,
             Decision::Shared => f.write_str("stays, shares what is there")?,
+            Decision::Dropped => f.write_str("never runs")?,
             Decision::Classes(n) => write!(f, "run once for each of {n} classes")?,
         }
         for (i, origin) in self.unknown.iter().enumerate() {
@@ -142,6 +148,8 @@ impl Machine<'_> {
         if !self.options.log || (plain && decision == Decision::Unfolded) {
             return;
         }
+        // The index of a loop is unknown by nature.
+        let args = &args[..args.len() - (reason == Reason::Vectorize) as usize];
         let unknown = args.iter().zip(&cont.params).filter_map(|(arg, param)| {
             let (source, loc) = self.source(self.unknown_in(*arg)?);
             Some(Origin { param: param.name.as_deref().unwrap_or("_").into(), source, loc })

@@ -177,6 +177,12 @@ impl<'a> Machine<'a> {
                 self.at = rest.0;
                 Ok(Step::Call(next_value, vec![], Mode::Filter))
             }
+            Body::Vectorize { width, lo, hi, body, args, next } => {
+                let (lo, hi) = (self.data(*lo, f), self.data(*hi, f));
+                let (body, next) = (self.eval(*body, f), self.eval(*next, f));
+                let args: Vec<Value> = args.iter().map(|a| self.eval(*a, f)).collect();
+                self.vectorize(*width, (lo, hi), body, args, next, loc)
+            }
             Body::Local { scalar, len, next } => {
                 let next_value = self.eval(*next, f);
                 let (rest, value) = self.rest(next_value, Ty::local(*scalar, *len), loc);

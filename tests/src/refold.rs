@@ -71,6 +71,14 @@ fn renamed(body: &Body, new: &dyn Fn(NodeId) -> NodeId) -> Body {
             let mask = if *mask == NodeId::NONE { *mask } else { new(*mask) };
             Body::Store { mem: mem(m), index: new(*index), value: new(*value), mask, next: new(*next) }
         }
+        Body::Vectorize { width, lo, hi, body, args, next } => Body::Vectorize {
+            width: *width,
+            lo: new(*lo),
+            hi: new(*hi),
+            body: new(*body),
+            args: args.iter().map(|a| new(*a)).collect(),
+            next: new(*next),
+        },
         Body::Local { scalar, len, next } => Body::Local { scalar: *scalar, len: *len, next: new(*next) },
     }
 }

@@ -63,6 +63,19 @@ fun same(x: u32, return: fn(u32))
   jump return(x)
 ";
 
+/// An iteration that leaves its loop by a function it is given.
+const LEAVES: &str = "\
+entry main = main
+fun main(n: u32, return: fn())
+  jump repeat(out, n, return)
+  fun out(end: fn())
+    jump return()
+fun repeat(f: fn(fn()), n: u32, return: fn()) @
+  vectorize 4 0u n each() -> return
+  fun each(i: u32, end: fn())
+    jump f(end)
+";
+
 /// A million words on the stack.
 const LARGE: &str = "\
 entry main = hungry
@@ -105,10 +118,14 @@ fn the_evaluators_errors_say_what_to_do() {
             "`wrap` has 401 copies because its argument `g` grows with each call; calls: `f`; make that argument a scalar, or give the function a filter that ends",
         ),
         (refusal(GROWS, "main", &[Arg::Unknown], small), "the residual has 6 nodes and still grows; calls: `f`"),
-        // Only a mistake of the evaluator brings this about.
+        (
+            refusal(LEAVES, "main", &[Arg::Unknown], options),
+            "an iteration of `vectorize`, `each`, uses an exit or a local array of the function around it; calls: `main` → `repeat`; make the array inside, and let the iteration come to its end",
+        ),
+        // A mistake of the evaluator brings this about, or iterations that meet.
         (
             Error::NotFirstOrder { entry: "main".into(), faults: vec![fault] },
-            "the residual of `main` is not first-order; is the program verified?\n  residual-jump: in `left`: `same` is passed to `chosen`; only data may be",
+            "the residual of `main` breaks rules; is the program verified?\n  residual-jump: in `left`: `same` is passed to `chosen`; only data may be",
         ),
     ];
     let mut seen = BTreeSet::new();
@@ -121,9 +138,10 @@ fn the_evaluators_errors_say_what_to_do() {
             Error::Budget { .. } => 3,
             Error::NotFirstOrder { .. } => 4,
             Error::TooLarge { .. } => 5,
+            Error::NotIndependent { .. } => 6,
         });
     }
-    assert_eq!(seen.len(), 6, "{seen:?}");
+    assert_eq!(seen.len(), 7, "{seen:?}");
 }
 
 #[test]

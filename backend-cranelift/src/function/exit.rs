@@ -1,12 +1,13 @@
 //! How blocks are left.
 
-use cranelift_codegen::ir::{Block, BlockArg, InstBuilder, MemFlagsData, Value, types};
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::{Block, BlockArg, FuncRef, InstBuilder, MemFlagsData, Value, types};
 use cranelift_frontend::Switch;
 use jerboa_ir::cfg::Exit;
 use jerboa_ir::{Body, ContId, Node, NodeId};
 
 use super::Emitter;
-use crate::abi::{POINTER, parts};
+use crate::abi::{POINTER, Shape, parts};
 use crate::memory::Local;
 
 impl Emitter<'_> {
@@ -98,12 +99,7 @@ impl Emitter<'_> {
             self.b.ins().return_call(function, &values);
             return;
         }
-        let call = self.b.ins().call(function, &values);
-        let mut results = self.b.inst_results(call).to_vec();
-        if shape.counted {
-            let status = results.remove(0);
-            self.leave_if(status);
-        }
+        let mut results = self.returned(shape, function, &values);
         if let Some(area) = area {
             let flags = MemFlagsData::trusted();
             results = shape.places().map(|(ty, at)| self.b.ins().load(ty, flags, area, at)).collect();
@@ -112,6 +108,45 @@ impl Emitter<'_> {
             Some(back) => self.go_to(back, &results),
             None => self.give_back(&results),
         }
+    }
+
+    /// Calls a function with all values, hidden ones first; what it returns but for the status.
+    fn returned(&mut self, shape: &Shape, function: FuncRef, values: &[Value]) -> Vec<Value> {
+        let call = self.b.ins().call(function, values);
+        let mut results = self.b.inst_results(call).to_vec();
+        if shape.counted {
+            let status = results.remove(0);
+            self.leave_if(status);
+        }
+        results
+    }
+
+    /// Calls the body of a `vectorize` for one index after the other.
+    fn vectorize(&mut self, lo: NodeId, hi: NodeId, body: NodeId, args: &[NodeId]) {
+        let callee = self.unit.cfg.number[&self.target(body)];
+        let shape = &self.unit.shapes[callee as usize];
+        let function = self.callees.functions[&callee];
+        let (lo, hi) = (self.scalar(lo), self.scalar(hi));
+        let mut values = Vec::new();
+        if shape.bindings {
+            values.extend(self.entry.bindings);
+        }
+        if let (true, Some(depth)) = (shape.counted, self.entry.depth) {
+            values.push(if self.f.recursive { self.b.ins().iadd_imm_s(depth, -1) } else { depth });
+        }
+        values.extend(self.all_values(args));
+        let (head, each, done) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        let index = self.b.append_block_param(head, types::I32);
+        self.b.ins().jump(head, &[lo.into()]);
+        self.switch_to(head);
+        let more = self.b.ins().icmp(IntCC::UnsignedLessThan, index, hi);
+        self.b.ins().brif(more, each, &[], done, &[]);
+        self.switch_to(each);
+        values.push(index);
+        self.returned(shape, function, &values);
+        let next = self.b.ins().iadd_imm_u(index, 1);
+        self.b.ins().jump(head, &[next.into()]);
+        self.switch_to(done);
     }
 
     /// Leaves a block by a body that is no jump.
@@ -143,6 +178,10 @@ impl Emitter<'_> {
             }
             Body::Store { mem, index, value, mask, next } => {
                 self.store(mem, *index, *value, *mask)?;
+                self.go_to(self.target(*next), &[]);
+            }
+            Body::Vectorize { lo, hi, body, args, next, .. } => {
+                self.vectorize(*lo, *hi, *body, args);
                 self.go_to(self.target(*next), &[]);
             }
             Body::Local { len, next, .. } => {

@@ -7,6 +7,9 @@ use crate::ty::{Scalar, Ty, TyKind};
 /// The continuation that ends the run.
 const RETURN: ContId = ContId(u32::MAX);
 
+/// The continuation that ends an iteration of a `vectorize`; its frame is the loop's state.
+pub(super) const ITERATE: ContId = ContId(u32::MAX - 1);
+
 /// Cell of a frame that holds the frame around it; the nodes' cells follow.
 const AROUND: usize = 0;
 pub(super) const FIRST_SLOT: usize = 1;
@@ -21,7 +24,7 @@ pub(super) struct Machine<'a, O> {
     /// The frames around the current point, by level; the last is the current one, the first holds the constants.
     pub(super) display: Vec<At>,
     /// Arguments of the jump under way.
-    args: Vec<Value>,
+    pub(super) args: Vec<Value>,
     /// Nodes being evaluated, each waiting for the next one.
     pub(super) pending: Vec<NodeId>,
 }
@@ -45,7 +48,11 @@ impl<'a, O: Observer> Machine<'a, O> {
             self.limits.fuel -= 1;
             around = self.collect_if_due(around)?;
             self.enter(cont, around);
-            match self.jump(cont)? {
+            let mut to = self.jump(cont)?;
+            while let Value::Closure { cont: ITERATE, frame } = to {
+                to = self.iterate(frame);
+            }
+            match to {
                 Value::Closure { cont: RETURN, .. } => break,
                 Value::Closure { cont: next, frame } => (cont, around) = (next, frame),
                 other => unreachable!("jump to {other:?}"),
@@ -181,6 +188,7 @@ impl<'a, O: Observer> Machine<'a, O> {
                 self.store(*mem, *index, *value, *mask);
                 self.eval(*next)
             }
+            Body::Vectorize { lo, hi, body, args, next, .. } => self.vectorize(*lo, *hi, *body, args, *next),
             Body::Local { scalar, len, next } => {
                 if *len as usize > self.limits.cells {
                     return Err(Stop::Limit);

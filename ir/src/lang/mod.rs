@@ -5,8 +5,8 @@
 //! the author's own structure (three components of a vector), never over the program's data.
 //!
 //! - Pure values ([`F32`], [`I32`], [`U32`], [`Bool`], [`Vector`]) are copyable handles with operators; they have no place.
-//! - Control needs the cursor `b: &mut Block`: [`Block::if_`], [`Block::loop_`], [`Block::label`], calls, loads and
-//!   stores. A function without `b` in its type is visibly pure.
+//! - Control needs the cursor `b: &mut Block`: [`Block::if_`], [`Block::loop_`], [`Block::label`], [`Block::vectorize`],
+//!   calls, loads and stores. A function without `b` in its type is visibly pure.
 //! - Records are plain structs with one line [`impl_staged!`](crate::impl_staged); functions and exits are fields like
 //!   any other.
 //!
@@ -47,6 +47,11 @@
 //! # use jerboa_ir::lang::*;
 //! fn f(b: &mut Block, c: Bool, g: Fun<F32, F32>, x: F32) -> F32 { b.if_(c, |_| g.call(b, x), |_| x) }
 //! ```
+//! The cursor of the function around it inside a `vectorize`:
+//! ```compile_fail,E0500
+//! # use jerboa_ir::lang::*;
+//! fn f(b: &mut Block, n: U32, g: Fun<U32, ()>) { b.vectorize(8, 0, n, |_, i| g.call(b, i)) }
+//! ```
 //! A forgotten field of a record:
 //! ```compile_fail,E0027
 //! # use jerboa_ir::lang::*;
@@ -68,6 +73,7 @@ pub mod vector;
 pub mod fun;
 pub mod block;
 pub mod control;
+mod vectorize;
 pub mod buffer;
 pub mod record;
 

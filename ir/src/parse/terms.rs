@@ -26,15 +26,7 @@ impl Parser {
                     () => Mode::Filter,
                 };
                 let callee = self.leaf(c, tree)?;
-                c.expect("(")?;
-                let mut args = Vec::new();
-                while !c.skip(")") {
-                    if !args.is_empty() {
-                        c.expect(",")?;
-                    }
-                    args.push(self.leaf(c, tree)?);
-                }
-                Body::Jump { callee, args, mode }
+                Body::Jump { callee, args: self.args(c, tree)?, mode }
             }
             "branch" => {
                 let (cond, then) = (self.leaf(c, tree)?, self.leaf(c, tree)?);
@@ -63,6 +55,13 @@ impl Parser {
                 let mask = if c.skip("when") { self.leaf(c, tree)? } else { NodeId::NONE };
                 Body::Store { mem, index, value, mask, next: self.next(c, tree)? }
             }
+            "vectorize" => {
+                let width = c.number()?;
+                let width = u8::try_from(width).map_err(|_| c.error_before(format!("{width} is no width")))?;
+                let (lo, hi, body) = (self.leaf(c, tree)?, self.leaf(c, tree)?, self.leaf(c, tree)?);
+                let args = self.args(c, tree)?;
+                Body::Vectorize { width, lo, hi, body, args, next: self.next(c, tree)? }
+            }
             "local" => {
                 let word = c.word()?;
                 let scalar = scalar(word).ok_or_else(|| c.error_before(format!("no scalar `{word}`")))?;
@@ -71,6 +70,19 @@ impl Parser {
             }
             _ => return Err(c.error_before(format!("`{word}` is neither a jump nor a continuation's role"))),
         })
+    }
+
+    /// Arguments in parentheses.
+    fn args(&mut self, c: &mut Cursor, tree: Option<usize>) -> Result<Vec<NodeId>, TextError> {
+        c.expect("(")?;
+        let mut args = Vec::new();
+        while !c.skip(")") {
+            if !args.is_empty() {
+                c.expect(",")?;
+            }
+            args.push(self.leaf(c, tree)?);
+        }
+        Ok(args)
     }
 
     fn next(&mut self, c: &mut Cursor, tree: Option<usize>) -> Result<NodeId, TextError> {

@@ -2,6 +2,7 @@
 
 use super::Verifier;
 use crate::program::*;
+use crate::scope::Scope;
 use crate::ty::{Scalar, Ty, TyKind};
 
 impl Verifier<'_> {
@@ -43,7 +44,42 @@ impl Verifier<'_> {
                 self.mask(c, *mask, lanes);
                 self.continues("memory", c, *next, &[]);
             }
+            Body::Vectorize { width, lo, hi, body, args, next } => {
+                if ![4, 8, 16].contains(width) {
+                    self.fault_at("vectorize", c, format!("the width is {width}, not 4, 8 or 16"));
+                }
+                self.takes("vectorize", c, *lo, Ty::u32(), "the first index");
+                self.takes("vectorize", c, *hi, Ty::u32(), "the end");
+                let mut params: Vec<Ty> = args.iter().map(|x| p.ty(*x)).collect();
+                params.extend([Ty::u32(), Ty::func(&[])]);
+                self.continues("vectorize", c, *body, &params);
+                self.continues("vectorize", c, *next, &[]);
+                if let Node::Cont(body) = p.node(*body)
+                    && let [.., index, _] = &p.cont(*body).params[..]
+                    && index.keep
+                {
+                    self.fault_at("vectorize", *body, "an index cannot stay specialised; drop the `keep`".to_owned());
+                }
+            }
             Body::Local { scalar, len, next } => self.local(c, *scalar, *len, *next),
+        }
+    }
+
+    /// What the bodies of `vectorize` may not use of the function around them.
+    pub(super) fn captures(&mut self, scope: &Scope) {
+        let p = self.p;
+        for c in self.reach.conts.clone() {
+            let Body::Vectorize { body, .. } = &p.cont(c).body else { continue };
+            let Node::Cont(body) = *p.node(*body) else { continue };
+            for x in &scope.free[body.index()] {
+                let what = match p.ty(*x).kind() {
+                    TyKind::Local(..) => "a local array: each iteration has its own",
+                    TyKind::Fn(_) if !p.ty(*x).is_function() => "an exit: an iteration ends by its return only",
+                    _ => continue,
+                };
+                let what = format!("an iteration of `vectorize` uses {}, {what}", self.describe(*x));
+                self.fault_at("vectorize", body, what);
+            }
         }
     }
 

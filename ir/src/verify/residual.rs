@@ -12,6 +12,8 @@
 //! | `residual-block` | a block's parameters are data, or the one array that a `local` jump makes |
 //! | `residual-jump` | the callee is a block, a function or the return; arguments are data, and a call's last one is a block or the return |
 //! | `residual-arm` | arms and `next` are blocks; no dispatch |
+//! | `residual-vectorize` | the body is a function; its arguments are data |
+//! | `independent` | the iterations of a `vectorize` do not meet: see `independent.rs` |
 
 use super::{Verifier, verify};
 use crate::error::Fault;
@@ -36,6 +38,7 @@ pub fn verify_residual(p: &Program) -> Vec<Fault> {
         v.residual_params(c, &scope);
         v.residual_body(c);
     }
+    v.faults.dedup();
     v.faults
 }
 
@@ -113,6 +116,10 @@ impl Verifier<'_> {
                 }
             }
             Body::Load { next, .. } | Body::Store { next, .. } | Body::Local { next, .. } => self.block(c, *next),
+            Body::Vectorize { body, args, next, .. } => {
+                self.block(c, *next);
+                self.residual_vectorize(c, *body, args);
+            }
             Body::Unset => {}
         }
     }
@@ -137,6 +144,18 @@ impl Verifier<'_> {
         for arg in data.iter().filter(|x| !self.p.ty(**x).is_data()) {
             let what = format!("{} is passed to {whom}; only data may be", self.describe(*arg));
             self.fault_at("residual-jump", c, what);
+        }
+    }
+
+    fn residual_vectorize(&mut self, c: ContId, body: NodeId, args: &[NodeId]) {
+        let whom = self.describe(body);
+        match *self.p.node(body) {
+            Node::Cont(body) if self.p.cont(body).role == Role::Fun => self.independent(body),
+            _ => self.fault_at("residual-vectorize", c, format!("the body, {whom}, is no function")),
+        }
+        for arg in args.iter().filter(|x| !self.p.ty(**x).is_data()) {
+            let what = format!("{} is passed to {whom}; only data may be", self.describe(*arg));
+            self.fault_at("residual-vectorize", c, what);
         }
     }
 

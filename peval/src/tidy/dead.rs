@@ -16,13 +16,15 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
     let loads = drop_loads(draft, &order, &needed);
     let mut dropped: FxHashMap<ContId, Vec<usize>> = FxHashMap::default();
     for c in &order {
-        let calls_only = mentions[c.index()].iter().all(|m| matches!(m, Mention::Call(_)));
+        let calls_only = mentions[c.index()].iter().all(|m| matches!(m, Mention::Call(_) | Mention::Body(_)));
         if *c == draft.entry || !calls_only {
             continue;
         }
         let count = draft.p().cont(*c).params.len();
         let params: Vec<NodeId> = (0..count).map(|i| draft.world.param(*c, i)).collect();
-        let idle = |i: &usize| !is_needed(&needed, params[*i]) && draft.p().ty(params[*i]).is_data();
+        let index = index_of(draft, *c, &mentions[c.index()]);
+        let idle =
+            |i: &usize| Some(*i) != index && !is_needed(&needed, params[*i]) && draft.p().ty(params[*i]).is_data();
         let gone: Vec<usize> = (0..count).filter(idle).collect();
         if !gone.is_empty() {
             dropped.insert(*c, gone);
@@ -30,6 +32,12 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
     }
     drop_params(draft, &order, &dropped, Default::default());
     loads + dropped.values().map(|gone| gone.len() as u64).sum::<u64>()
+}
+
+/// The place of the parameter that a `vectorize` gives its index, if it is the body of one.
+fn index_of(draft: &Draft, c: ContId, mentions: &[Mention]) -> Option<usize> {
+    let is_body = mentions.iter().any(|m| matches!(m, Mention::Body(_)));
+    is_body.then(|| draft.p().cont(c).params.len() - 2)
 }
 
 /// A parameter made while asking is in no body, so not needed.
@@ -45,17 +53,15 @@ fn needed_nodes(draft: &Draft, order: &[ContId], mentions: &[Vec<Mention>]) -> V
     for c in order {
         match draft.body(*c) {
             // Arguments are needed when the parameter is; a return needs all.
-            Body::Jump { callee, args, .. } if draft.cont_of(*callee).is_some() => stack.extend(args.last()),
+            Body::Jump { callee, args, .. } if draft.cont_of(*callee).is_some() => {
+                let index = draft.cont_of(*callee).and_then(|to| index_of(draft, to, &mentions[to.index()]));
+                let stays = |(i, x): &(usize, &NodeId)| Some(*i) == index || !p.ty(**x).is_data();
+                stack.extend(args.iter().enumerate().filter(stays).map(|(_, x)| *x));
+            }
+            Body::Vectorize { lo, hi, .. } => stack.extend([*lo, *hi]),
             // The address of a load is needed when its value is.
             Body::Load { next, .. } => stack.push(*next),
             body => body.operands(&mut |x| stack.push(x)),
-        }
-        // The last argument is kept only if it is a return.
-        if let Body::Jump { callee, args, .. } = draft.body(*c)
-            && draft.cont_of(*callee).is_some()
-            && args.last().is_some_and(|x| p.ty(*x).is_data())
-        {
-            stack.pop();
         }
         while let Some(x) = stack.pop() {
             if std::mem::replace(&mut needed[x.index()], true) {
@@ -64,9 +70,9 @@ fn needed_nodes(draft: &Draft, order: &[ContId], mentions: &[Vec<Mention>]) -> V
             match p.node(x) {
                 Node::Param { cont, index } => {
                     for m in &mentions[cont.index()] {
-                        let (Mention::Call(from) | Mention::Arm(from) | Mention::Return(from)) = m;
-                        match (m, draft.body(*from)) {
+                        match (m, draft.body(m.from())) {
                             (Mention::Call(_), Body::Jump { args, .. }) => stack.push(args[*index as usize]),
+                            (Mention::Body(_), Body::Vectorize { args, .. }) => stack.extend(args.get(*index as usize)),
                             (Mention::Arm(_), Body::Load { mem, index, .. }) => {
                                 stack.push(*index);
                                 stack.extend(if let Mem::Local(local) = mem { Some(*local) } else { None });

@@ -16,6 +16,16 @@ pub(crate) enum Mention {
     Arm(ContId),
     /// As the return of a call.
     Return(ContId),
+    /// As the body of a `vectorize`: its arguments can be seen, but for index and return, which come last.
+    Body(ContId),
+}
+
+impl Mention {
+    /// The continuation that mentions.
+    pub fn from(self) -> ContId {
+        let (Mention::Call(from) | Mention::Arm(from) | Mention::Return(from) | Mention::Body(from)) = self;
+        from
+    }
 }
 
 /// A residual that is being tidied.
@@ -62,6 +72,10 @@ impl Draft {
                 Body::Jump { callee, args, .. } => {
                     add(*callee, Mention::Call(*c));
                     args.last().into_iter().for_each(|x| add(*x, Mention::Return(*c)));
+                }
+                Body::Vectorize { body, next, .. } => {
+                    add(*body, Mention::Body(*c));
+                    add(*next, Mention::Arm(*c));
                 }
                 body => body.operands(&mut |x| add(x, Mention::Arm(*c))),
             }
@@ -304,6 +318,10 @@ pub(crate) fn map_body(body: &mut Body, f: &mut dyn FnMut(NodeId) -> NodeId) {
                 all(&mut [mask]);
             }
             mem(m, f)
+        }
+        Body::Vectorize { lo, hi, body, args, next, .. } => {
+            args.iter_mut().for_each(|x| all(&mut [x]));
+            all(&mut [lo, hi, body, next])
         }
         Body::Local { next, .. } => all(&mut [next]),
     }

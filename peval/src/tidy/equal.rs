@@ -98,6 +98,7 @@ fn kind(body: &Body) -> u64 {
         Body::Switch { arms, .. } => hash_of((1, arms.iter().map(|(n, _)| *n).collect::<Vec<_>>())),
         Body::Load { mem: m, .. } => hash_of((2, mem(m))),
         Body::Store { mem: m, .. } => hash_of((3, mem(m))),
+        Body::Vectorize { width, .. } => hash_of((5, width)),
         Body::Local { scalar, len, .. } => hash_of((4, scalar, len)),
         body => hash_of(std::mem::discriminant(body)),
     }

@@ -1,7 +1,7 @@
 //! Law: a block that only passes its parameters on is where it passes them to.
 //!
 //! So a call whose return only returns becomes a tail call, and an empty arm becomes its join. A branch whose sides are
-//! the same block, or whose condition other passes have made known, is a jump.
+//! the same block, or whose condition other passes have made known, is a jump; so is a `vectorize` of no iteration.
 
 use jerboa_ir::*;
 use rustc_hash::FxHashMap;
@@ -20,7 +20,15 @@ fn same_sides(draft: &mut Draft) -> u64 {
             Body::Branch { cond: x, .. } | Body::Switch { index: x, .. } => draft.p().as_lit(x).map(Lit::word),
             _ => None,
         };
+        let empty = match *draft.body(c) {
+            Body::Vectorize { lo, hi, .. } => {
+                let bound = |x| draft.p().as_lit(x).and_then(Lit::as_u32);
+                bound(lo).zip(bound(hi)).is_some_and(|(lo, hi)| lo >= hi)
+            }
+            _ => false,
+        };
         let to = match &mut draft.world.cont_mut(c).body {
+            Body::Vectorize { next, .. } if empty => *next,
             Body::Branch { then, other, .. } if then == other => *then,
             Body::Branch { then, other, .. } if known.is_some() => {
                 if known == Some(0) {

@@ -33,13 +33,15 @@ fn redundant(draft: &mut Draft, c: ContId, mentions: &[Mention], subst: &mut Sub
     if count == 0 || c == draft.entry || mentions.is_empty() {
         return Vec::new();
     }
-    let mut jumps: Vec<Vec<NodeId>> = Vec::new();
+    // What each jump passes; none for what a loop makes: its index and its return.
+    let mut jumps: Vec<Vec<Option<NodeId>>> = Vec::new();
     for m in mentions {
-        match m {
-            Mention::Call(from) => match draft.body(*from) {
-                Body::Jump { args, .. } => jumps.push(args.iter().map(|x| resolve(subst, *x)).collect()),
-                _ => unreachable!("a call is a jump"),
-            },
+        match (m, draft.body(m.from())) {
+            (Mention::Call(_), Body::Jump { args, .. }) | (Mention::Body(_), Body::Vectorize { args, .. }) => {
+                let mut passed: Vec<_> = args.iter().map(|x| Some(resolve(subst, *x))).collect();
+                passed.resize(count, None);
+                jumps.push(passed);
+            }
             _ => return Vec::new(),
         }
     }
@@ -51,8 +53,9 @@ fn redundant(draft: &mut Draft, c: ContId, mentions: &[Mention], subst: &mut Sub
             continue;
         }
         // `NONE` stands for "itself", so that two parameters that circle alike are alike.
-        let passed: Vec<NodeId> =
-            jumps.iter().map(|args| if args[i] == *param { NodeId::NONE } else { args[i] }).collect();
+        let itself = |x: NodeId| if x == *param { NodeId::NONE } else { x };
+        let passed: Option<Vec<NodeId>> = jumps.iter().map(|args| args[i].map(itself)).collect();
+        let Some(passed) = passed else { continue };
         let mut values = passed.iter().copied().filter(|x| *x != NodeId::NONE);
         let Some(first) = values.next() else { continue };
         if values.all(|x| x == first) && (!is_function || draft.p().as_lit(first).is_some()) {
@@ -88,9 +91,9 @@ pub(crate) fn drop_params(
         return;
     }
     for c in order {
-        let Body::Jump { callee, .. } = draft.body(*c) else { continue };
+        let (Body::Jump { callee, .. } | Body::Vectorize { body: callee, .. }) = draft.body(*c) else { continue };
         if let Some(gone) = draft.cont_of(*callee).and_then(|to| dropped.get(&to))
-            && let Body::Jump { args, .. } = &mut draft.world.cont_mut(*c).body
+            && let Body::Jump { args, .. } | Body::Vectorize { args, .. } = &mut draft.world.cont_mut(*c).body
         {
             let mut place = 0;
             args.retain(|_| {

@@ -37,8 +37,7 @@ fn make_loop(draft: &mut Draft, order: &[ContId], f: ContId, tails: &[Mention]) 
     let to_header = draft.world.cont_value(header);
     // The function may call itself in its first body, which is the header's now.
     for m in tails {
-        let (Mention::Call(from) | Mention::Arm(from) | Mention::Return(from)) = *m;
-        let from = if from == f { header } else { from };
+        let from = if m.from() == f { header } else { m.from() };
         if let Body::Jump { callee, args, .. } = &mut draft.world.cont_mut(from).body {
             *callee = to_header;
             args.truncate(data);
