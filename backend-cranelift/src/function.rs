@@ -6,6 +6,8 @@
 
 mod access;
 mod exit;
+mod gather;
+mod run;
 mod value;
 
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -64,6 +66,7 @@ pub(crate) fn emit(
         literals: FxHashMap::default(),
         constants: FxHashMap::default(),
         area: None,
+        scratch: [None; 2],
     };
     e.begin(&unit.schedules[index]);
     for &block in f.dom.preorder() {
@@ -112,6 +115,8 @@ struct Emitter<'a> {
     constants: FxHashMap<(Type, [u32; LANES]), Value>,
     /// Room for the results of any call that needs it; they are loaded right after the call.
     area: Option<StackSlot>,
+    /// Room for the words of a vector that go to or come from memory one by one.
+    scratch: [Option<StackSlot>; 2],
 }
 
 impl Emitter<'_> {

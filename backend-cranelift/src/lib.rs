@@ -10,12 +10,21 @@
 //! | continuation parameters | block parameters (SSA in functional clothes: Appel, *SSA is functional programming*, 1998) | `function.rs` |
 //! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `function/value.rs`, `ops.rs` |
 //! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `memory.rs`, `function/access.rs` |
+//! | their vectors | runs, gathers, scatters | `function/run.rs`, `function/gather.rs` |
 //! | vector | a value of 128 bits for every four lanes; of `bool` a mask of 0 and −1 | `vector.rs`, `pack.rs`, `simd.rs` |
 //!
 //! **The code means what the interpreter means**, bit for bit, all NaN being one value. So minimum and maximum are a
 //! comparison and a selection, a multiply-add is fused where the program says so and nowhere else (a call of
 //! [`f32::mul_add`] where the processor lacks the instruction), denormals are kept. What no machine does with vectors
 //! (integer division, shifts by another amount in each lane) is done lane by lane.
+//!
+//! **Vectors in memory.** A run of rows is one access for every four lanes if all of it is in range, which one comparison
+//! says; otherwise its lanes go one by one, out of line. A run is stored whole if its mask is all true. Under another mask
+//! memory of the function's own gets the old words back; in a stream only the words under the mask are touched, since
+//! another thread may own those beside them. A gather clamps its indices as vectors and shares the addresses with other
+//! columns of the same buffer. Measured per lane at 8 lanes, against scalars (one thread, x86-64 with AVX2, data in L2):
+//! a copy by runs 0.14 ns (0.60), a gather 0.31 ns (1.04), four columns of a table by rows 1.03 ns (2.25), a scatter
+//! 0.40 ns (0.99).
 //!
 //! **Nothing traps.** Conversions saturate, divisors are replaced where the machine would fault, indices are clamped as the
 //! program's rules say. Recursion ends with [`Status::Limit`] at a depth for which the frames, measured after register

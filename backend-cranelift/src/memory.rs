@@ -1,7 +1,7 @@
 //! Where words are: buffers and local arrays.
 //!
-//! Addresses of columns and numbers of rows are loaded once, where the function begins. A buffer without rows has a word 0
-//! for each column: its columns lie in a word of the frame, and its last row is row 0.
+//! Both are [`Words`]. Addresses of columns and numbers of rows are loaded once, where the function begins. A stream
+//! without rows has a row of zeros in the frame, and that is its last row.
 
 use std::collections::BTreeSet;
 
@@ -13,41 +13,97 @@ use jerboa_ir::schedule::Schedule;
 use jerboa_ir::{Body, BufId, BufKind, Column, Layout, Mem, Node, Program, Scalar};
 use rustc_hash::FxHashMap;
 
-use crate::abi::{POINTER, clif};
+use crate::abi::{LANES, POINTER, clif};
+use crate::pack;
 
 /// Bytes of a [`crate::Binding`], and where its number of rows is.
 const BINDING_BYTES: i32 = size_of::<crate::Binding>() as i32;
 const ROWS_AT: i32 = std::mem::offset_of!(crate::Binding, rows) as i32;
 
 /// A word of 4 bytes in memory.
+#[derive(Clone, Copy)]
 pub(crate) struct Place {
-    address: Value,
+    pub address: Value,
+    pub offset: i32,
+}
+
+/// A column of a buffer, or a local array: words at equal distances.
+#[derive(Clone, Copy)]
+pub(crate) struct Words {
+    base: Value,
     offset: i32,
+    /// Bytes between rows.
+    pub stride: u32,
+    /// The number of rows.
+    pub rows: Value,
+    /// The number of rows of a local array.
+    pub known_rows: Option<u32>,
+    /// The last row, of a stream without rows its row of zeros.
+    pub last: Value,
+}
+
+impl Words {
+    /// The word of row 0, which every table has; of a stream without rows a word 0.
+    pub fn first(&self) -> Place {
+        Place { address: self.base, offset: self.offset }
+    }
+
+    /// The word at a distance from row 0.
+    pub fn at(&self, b: &mut FunctionBuilder, distance: Distance) -> Place {
+        let bytes = b.ins().ishl_imm_u(distance.steps, distance.shift);
+        Place { address: b.ins().iadd(self.base, bytes), offset: self.offset }
+    }
+
+    /// The word of this row, a `u32` that is less than the number of rows.
+    pub fn row(&self, b: &mut FunctionBuilder, row: Value) -> Place {
+        let distance = Distance::of(b, row, self.stride);
+        self.at(b, distance)
+    }
+
+    /// The word of this row, or of the last one.
+    pub fn clamped(&self, b: &mut FunctionBuilder, row: Value) -> Place {
+        let row = b.ins().umin(row, self.last);
+        self.row(b, row)
+    }
+}
+
+/// Bytes from row 0 to a row: steps of a size that an address takes in.
+#[derive(Clone, Copy)]
+pub(crate) struct Distance {
+    steps: Value,
+    shift: i64,
+}
+
+impl Distance {
+    /// To this row, a `u32`.
+    pub fn of(b: &mut FunctionBuilder, row: Value, stride: u32) -> Distance {
+        let row = b.ins().uextend(types::I64, row);
+        Distance::of_wide(b, row, stride)
+    }
+
+    /// To this row, as 64 bits.
+    pub fn of_wide(b: &mut FunctionBuilder, row: Value, stride: u32) -> Distance {
+        let shift = stride.trailing_zeros().min(3);
+        let step = stride >> shift;
+        let steps = match step.is_power_of_two() {
+            true if step == 1 => row,
+            true => b.ins().ishl_imm_u(row, i64::from(step.trailing_zeros())),
+            false => b.ins().imul_imm_u(row, i64::from(step)),
+        };
+        Distance { steps, shift: i64::from(shift) }
+    }
 }
 
 /// The buffers that a function touches.
 #[derive(Default)]
 pub(crate) struct Buffers {
-    columns: FxHashMap<Column, Strided>,
-    rows: FxHashMap<BufId, Rows>,
-    /// Distance in bytes from row 0 to a clamped row, which all columns of a buffer share. Made in the block at hand.
-    distances: FxHashMap<(BufId, Value), Value>,
-}
-
-/// Words at equal distances.
-#[derive(Clone, Copy)]
-struct Strided {
-    base: Value,
-    offset: i32,
-    /// Bytes between rows.
-    stride: u32,
-}
-
-#[derive(Clone, Copy)]
-struct Rows {
-    count: Value,
-    /// The last row; row 0 of a buffer without rows.
-    last: Value,
+    columns: FxHashMap<Column, Words>,
+    /// Distance to a clamped row, which all columns of a buffer share. Made in the block at hand.
+    distances: FxHashMap<(BufId, Value), Distance>,
+    /// Distances to the rows of a part of indices, clamped to a last row or unchecked, for a stride. Likewise.
+    gathered: FxHashMap<(Option<Value>, Value, u32), [Distance; LANES]>,
+    /// Parts of last rows. Likewise.
+    lasts: FxHashMap<Value, Value>,
 }
 
 impl Buffers {
@@ -55,71 +111,79 @@ impl Buffers {
     pub fn new(b: &mut FunctionBuilder, p: &Program, used: &BTreeSet<Column>, bindings: Value) -> Buffers {
         let mut buffers = Buffers::default();
         let constant = MemFlagsData::trusted().with_readonly();
-        let mut words = FxHashMap::default();
-        let mut empty: Option<Value> = None;
+        let mut shared = FxHashMap::default();
         for column in used {
             let buffer = p.buffer(column.buf);
             let at = column.buf.0 as i32 * BINDING_BYTES;
-            let stream = buffer.kind == BufKind::Stream;
-            let start = *words.entry(column.buf).or_insert_with(|| b.ins().load(POINTER, constant, bindings, at));
-            let rows = *buffers.rows.entry(column.buf).or_insert_with(|| {
-                let count = b.ins().load(types::I32, constant, bindings, at + ROWS_AT);
+            let (start, rows, last) = *shared.entry(column.buf).or_insert_with(|| {
+                let start = b.ins().load(POINTER, constant, bindings, at);
+                let rows = b.ins().load(types::I32, constant, bindings, at + ROWS_AT);
                 let one = b.ins().iconst(types::I32, 1);
-                let some = if stream { b.ins().umax(count, one) } else { count };
-                Rows { count, last: b.ins().isub(some, one) }
-            });
-            let mut place = match buffer.layout {
-                Layout::Rows => {
-                    Strided { base: start, offset: column.col as i32 * 4, stride: buffer.columns.len() as u32 * 4 }
+                if buffer.kind != BufKind::Stream {
+                    return (start, rows, b.ins().isub(rows, one));
                 }
+                let zeros = zeros(b, p);
+                let some = b.ins().umax(rows, one);
+                (b.ins().select(rows, start, zeros), rows, b.ins().isub(some, one))
+            });
+            let words = Words { base: start, offset: 0, stride: 4, rows, known_rows: None, last };
+            let words = match buffer.layout {
+                Layout::Rows => {
+                    Words { offset: column.col as i32 * 4, stride: buffer.columns.len() as u32 * 4, ..words }
+                }
+                Layout::Columns if column.col == 0 => words,
                 Layout::Columns => {
-                    let count = b.ins().uextend(types::I64, rows.count);
+                    let count = b.ins().uextend(types::I64, rows);
                     let before = b.ins().imul_imm_u(count, i64::from(column.col) * 4);
-                    Strided { base: b.ins().iadd(start, before), offset: 0, stride: 4 }
+                    Words { base: b.ins().iadd(start, before), ..words }
                 }
             };
-            if stream {
-                let zero = *empty.get_or_insert_with(|| zero_word(b));
-                let address = b.ins().iadd_imm_u(place.base, i64::from(place.offset));
-                place = Strided { base: b.ins().select(rows.count, address, zero), offset: 0, ..place };
-            }
-            buffers.columns.insert(*column, place);
+            buffers.columns.insert(*column, words);
         }
         buffers
     }
 
-    /// The word of this row, which is less than the number of rows.
-    pub fn unchecked(&self, b: &mut FunctionBuilder, column: Column, row: Value) -> Place {
-        let Strided { base, offset, stride } = self.columns[&column];
-        let distance = distance(b, row, stride);
-        Place { address: b.ins().iadd(base, distance), offset }
+    /// The words of a column.
+    pub fn words(&self, column: Column) -> Words {
+        self.columns[&column]
     }
 
     /// The word of this row, or of the last one.
     pub fn clamped(&mut self, b: &mut FunctionBuilder, column: Column, row: Value) -> Place {
-        let Strided { base, offset, stride } = self.columns[&column];
-        let last = self.rows[&column.buf].last;
+        let words = self.columns[&column];
         let distance = *self.distances.entry((column.buf, row)).or_insert_with(|| {
-            let row = b.ins().umin(row, last);
-            distance(b, row, stride)
+            let row = b.ins().umin(row, words.last);
+            Distance::of(b, row, words.stride)
         });
-        Place { address: b.ins().iadd(base, distance), offset }
+        words.at(b, distance)
     }
 
-    /// The word of row 0, which every table has; of a stream without rows a word 0.
-    pub fn first(&self, column: Column) -> Place {
-        let Strided { base, offset, .. } = self.columns[&column];
-        Place { address: base, offset }
+    /// Distances to the rows of four lanes, clamped to the last row unless they are in range.
+    pub fn distances(
+        &mut self,
+        b: &mut FunctionBuilder,
+        words: &Words,
+        indices: Value,
+        unchecked: bool,
+    ) -> [Distance; LANES] {
+        let last = if unchecked { None } else { Some(words.last) };
+        *self.gathered.entry((last, indices, words.stride)).or_insert_with(|| {
+            let rows = match last {
+                None => indices,
+                Some(last) => {
+                    let last = *self.lasts.entry(last).or_insert_with(|| b.ins().splat(types::I32X4, last));
+                    b.ins().umin(indices, last)
+                }
+            };
+            pack::wide_lanes(b, rows).map(|row| Distance::of_wide(b, row, words.stride))
+        })
     }
 
     /// Another block begins: what was made in this one may not dominate it.
     pub fn begin_block(&mut self) {
         self.distances.clear();
-    }
-
-    /// The number of rows.
-    pub fn rows(&self, buffer: BufId) -> Value {
-        self.rows[&buffer].count
+        self.gathered.clear();
+        self.lasts.clear();
     }
 }
 
@@ -160,14 +224,22 @@ impl Local {
         Local { slot: b.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)), len }
     }
 
+    /// Its words.
+    pub fn words(self, b: &mut FunctionBuilder) -> Words {
+        let base = b.ins().stack_addr(POINTER, self.slot, 0);
+        let rows = b.ins().iconst(types::I32, i64::from(self.len));
+        let last = b.ins().iconst(types::I32, i64::from(self.len - 1));
+        Words { base, offset: 0, stride: 4, rows, known_rows: Some(self.len), last }
+    }
+
     /// Fills it with zeros: a few stores, or a loop.
     pub fn clear(self, b: &mut FunctionBuilder) {
         const UNROLLED: u64 = 16 * 16;
         let bytes = Local::bytes(self.len);
         let base = b.ins().stack_addr(POINTER, self.slot, 0);
-        let zero = b.ins().iconst(types::I64, 0);
+        let zero = pack::constant(b, types::I32X4, [0; LANES]);
         if bytes <= UNROLLED {
-            for at in (0..bytes as i32).step_by(8) {
+            for at in (0..bytes as i32).step_by(16) {
                 b.ins().store(MemFlagsData::trusted(), zero, base, at);
             }
             return;
@@ -178,30 +250,10 @@ impl Local {
         b.ins().jump(body, &[base.into()]);
         b.switch_to_block(body);
         b.ins().store(MemFlagsData::trusted(), zero, at, 0);
-        b.ins().store(MemFlagsData::trusted(), zero, at, 8);
         let next = b.ins().iadd_imm_u(at, 16);
         let more = b.ins().icmp(IntCC::UnsignedLessThan, next, end);
         b.ins().brif(more, body, &[next.into()], done, &[]);
         b.switch_to_block(done);
-    }
-
-    /// The word of this element, or of the last one.
-    pub fn clamped(self, b: &mut FunctionBuilder, index: Value) -> Place {
-        let last = b.ins().iconst(types::I32, i64::from(self.len - 1));
-        let index = b.ins().umin(index, last);
-        self.unchecked(b, index)
-    }
-
-    /// The word of this element, which is less than the length.
-    pub fn unchecked(self, b: &mut FunctionBuilder, index: Value) -> Place {
-        let base = b.ins().stack_addr(POINTER, self.slot, 0);
-        let distance = distance(b, index, 4);
-        Place { address: b.ins().iadd(base, distance), offset: 0 }
-    }
-
-    /// The number of elements.
-    pub fn len(self, b: &mut FunctionBuilder) -> Value {
-        b.ins().iconst(types::I32, i64::from(self.len))
     }
 }
 
@@ -225,16 +277,11 @@ pub(crate) fn nth_word(address: Value, n: usize) -> Place {
     Place { address, offset: n as i32 * 4 }
 }
 
-/// Bytes from row 0 to this row.
-fn distance(b: &mut FunctionBuilder, row: Value, stride: u32) -> Value {
-    let row = b.ins().uextend(types::I64, row);
-    if stride == 4 { b.ins().ishl_imm_u(row, 2) } else { b.ins().imul_imm_u(row, i64::from(stride)) }
-}
-
-/// The address of a word 0 in the frame.
-fn zero_word(b: &mut FunctionBuilder) -> Value {
-    let slot = b.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, 4, 2));
-    let zero = b.ins().iconst(types::I32, 0);
-    b.ins().stack_store(POINTER, zero, slot, 0);
-    b.ins().stack_addr(POINTER, slot, 0)
+/// The address of a row of zeros in the frame, as long as that of any stream.
+fn zeros(b: &mut FunctionBuilder, p: &Program) -> Value {
+    let streams = p.buffers.iter().filter(|buffer| buffer.kind == BufKind::Stream);
+    let by_rows = streams.filter(|buffer| buffer.layout == Layout::Rows).map(|buffer| buffer.columns.len());
+    let zeros = Local::new(b, by_rows.max().unwrap_or(1) as u32);
+    zeros.clear(b);
+    b.ins().stack_addr(POINTER, zeros.slot, 0)
 }

@@ -6,11 +6,28 @@ use cranelift_frontend::FunctionBuilder;
 use jerboa_ir::Scalar;
 
 use crate::abi::{LANES, part};
+use crate::memory::Place;
 
 /// One lane of a vector, as a scalar.
 pub(crate) fn lane(b: &mut FunctionBuilder, scalar: Scalar, parts: &[Value], lane: usize) -> Value {
     let x = b.ins().extractlane(parts[lane / LANES], (lane % LANES) as u8);
     if scalar == Scalar::Bool { b.ins().icmp_imm_u(IntCC::NotEqual, x, 0) } else { x }
+}
+
+/// The lanes of a part of `u32`, as 64 bits each: two at a time, which takes fewer instructions than one by one.
+pub(crate) fn wide_lanes(b: &mut FunctionBuilder, x: Value) -> [Value; LANES] {
+    let pairs = cast(b, types::I64X2, x);
+    // The first one as a float: that is where it is already.
+    let floats = cast(b, types::F64X2, x);
+    let low = b.ins().extractlane(floats, 0);
+    let low = b.ins().bitcast(types::I64, MemFlagsData::new(), low);
+    let high = b.ins().extractlane(pairs, 1);
+    let mut split = |pair| {
+        let first = b.ins().ireduce(types::I32, pair);
+        [b.ins().uextend(types::I64, first), b.ins().ushr_imm_u(pair, 32)]
+    };
+    let ([w, x], [y, z]) = (split(low), split(high));
+    [w, x, y, z]
 }
 
 /// Another part, with this scalar in one lane.
@@ -32,6 +49,26 @@ pub(crate) fn pack(b: &mut FunctionBuilder, scalar: Scalar, lanes: &[Value]) -> 
         (1..chunk.len()).fold(first, |vector, i| insert(b, scalar, vector, i, chunk[i]))
     };
     lanes.chunks(LANES).map(one).collect()
+}
+
+/// A part of up to four words of memory, which are loaded as floats, whatever they are: into the registers where vectors
+/// are. In pairs, so that no instruction waits for all others.
+pub(crate) fn loaded(b: &mut FunctionBuilder, ty: Type, flags: MemFlagsData, words: &[Place]) -> Value {
+    let mut pair = |words: &[Place]| {
+        let mut load = |word: &Place| b.ins().load(types::F32, flags, word.address, word.offset);
+        let (first, second) = (load(&words[0]), words.get(1).map(load));
+        let first = b.ins().splat(types::F32X4, first);
+        second.map_or(first, |second| b.ins().insertlane(first, second, 1))
+    };
+    let low = pair(&words[..words.len().min(2)]);
+    let all = match &words[words.len().min(2)..] {
+        [] => low,
+        rest => {
+            let high = pair(rest);
+            shuffle(b, low, high, [0, 1, 4, 5])
+        }
+    };
+    cast(b, ty, all)
 }
 
 /// A part of this type with these words.

@@ -1,6 +1,6 @@
 //! Where instruction sets differ: what x86-64 (from SSE4.1 on) and AArch64 do best with 128 bits.
 
-use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{InstBuilder, Type, Value, types};
 use cranelift_frontend::FunctionBuilder;
 use jerboa_ir::Scalar;
@@ -33,6 +33,15 @@ impl Simd {
             Scalar::I32 => b.ins().smax(x, y),
             Scalar::U32 | Scalar::Bool => b.ins().umax(x, y),
         }
+    }
+
+    /// Is every lane of a mask true?
+    pub fn all(self, b: &mut FunctionBuilder, mask: Value) -> Value {
+        if !self.x86 {
+            return b.ins().vall_true(mask);
+        }
+        let bits = b.ins().vhigh_bits(types::I32, mask);
+        b.ins().icmp_imm_u(IntCC::Equal, bits, 0b1111)
     }
 
     /// `mask ? x : y` in each lane, of a mask of 0 and −1.

@@ -3,7 +3,7 @@
 //! The `match` has no wildcard over [`Op`]: an operation without code does not compile. Lanes beyond the vector's length
 //! may compute anything.
 
-use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{InstBuilder, Value, types};
 use cranelift_frontend::FunctionBuilder;
 use jerboa_ir::{NAN_BITS, Op, Scalar};
@@ -93,8 +93,22 @@ pub(crate) fn shift(b: &mut FunctionBuilder, op: Op, scalar: Scalar, x: Value, b
     }
 }
 
+/// The part that these words of memory are: of `bool` a word that is not 0 is true.
+pub(crate) fn of_words(b: &mut FunctionBuilder, scalar: Scalar, words: Value) -> Value {
+    if scalar != Scalar::Bool {
+        return words;
+    }
+    let zero = constant(b, MASK, [0; LANES]);
+    b.ins().icmp(IntCC::NotEqual, words, zero)
+}
+
+/// The words that memory holds for a part.
+pub(crate) fn to_words(b: &mut FunctionBuilder, scalar: Scalar, part: Value) -> Value {
+    if scalar == Scalar::Bool { b.ins().ushr_imm_u(part, 31) } else { part }
+}
+
 /// `any`, `all` and `ballot` of so many lanes.
-pub(crate) fn over_lanes(b: &mut FunctionBuilder, op: Op, parts: &[Value], lanes: usize) -> Value {
+pub(crate) fn over_lanes(b: &mut FunctionBuilder, simd: Simd, op: Op, parts: &[Value], lanes: usize) -> Value {
     let mut parts = parts.to_vec();
     if let Some(last) = parts.last_mut().filter(|_| !lanes.is_multiple_of(LANES)) {
         // The lanes left over do not count.
@@ -117,7 +131,7 @@ pub(crate) fn over_lanes(b: &mut FunctionBuilder, op: Op, parts: &[Value], lanes
         }
         Op::All => {
             let all = parts.into_iter().reduce(|x, y| b.ins().band(x, y)).expect("a vector has parts");
-            b.ins().vall_true(all)
+            simd.all(b, all)
         }
         _ => ballot(b, &parts),
     }

@@ -1,129 +1,94 @@
-//! Loads and stores.
+//! Loads and stores: of a scalar here, of a vector at a vector of indices in `gather.rs`, of a run of rows in `run.rs`.
 
 use cranelift_codegen::ir::condcodes::IntCC;
-use cranelift_codegen::ir::{InstBuilder, MemFlagsData, Value, types};
+use cranelift_codegen::ir::{InstBuilder, MemFlagsData, Value};
 use jerboa_ir::{Column, Lit, Mem, Node, NodeId, Scalar};
 
 use super::Emitter;
 use crate::abi::data;
-use crate::memory::{self, Local, Place};
-use crate::pack;
-
-/// A row of a buffer or an element of a local array, as an index gives it.
-#[derive(Clone, Copy)]
-enum Row {
-    /// Row 0.
-    First,
-    /// Any.
-    At(Value),
-}
+use crate::memory::{self, Local, Words};
 
 impl Emitter<'_> {
     /// What a table holds in a column.
     pub(super) fn read(&mut self, column: Column, index: NodeId, lanes: usize) -> Vec<Value> {
         // A reference is stored as its index.
         let scalar = self.unit.program.column(column).ty.ty().as_scalar().unwrap_or(Scalar::U32);
-        let rows = self.rows(index, lanes);
-        let load = |row| {
-            let place = self.clamped(column, row);
-            memory::load(&mut self.b, scalar, &place, MemFlagsData::trusted().with_readonly())
-        };
-        let values: Vec<Value> = rows.into_iter().map(load).collect();
-        self.of_lanes(scalar, values)
+        let flags = MemFlagsData::trusted().with_readonly();
+        if lanes == 1 {
+            return vec![self.load_clamped(column, scalar, index, flags)];
+        }
+        if let Some(index) = self.splatted(index) {
+            let x = self.load_clamped(column, scalar, index, flags);
+            return self.splat(scalar, x, lanes);
+        }
+        let words = self.buffers.words(column);
+        self.gather(words, false, scalar, index, lanes, flags)
     }
 
     pub(super) fn load(&mut self, mem: &Mem, index: NodeId, next: NodeId) -> Result<Vec<Value>, String> {
-        let loaded = self.unit.program.loaded(next).and_then(|ty| ty.lanes());
+        let p = self.unit.program;
+        let loaded = p.loaded(next).and_then(|ty| ty.lanes());
         let (scalar, lanes) = loaded.ok_or("a load gives no data")?;
-        let rows = self.rows(index, lanes).into_iter();
-        let values = rows.map(|row| self.load_lane(mem, scalar, row)).collect::<Result<_, _>>()?;
-        Ok(self.of_lanes(scalar, values))
+        let words = self.words(mem)?;
+        let unchecked = matches!(mem, Mem::Unchecked(_));
+        let flags = MemFlagsData::trusted();
+        let flags = if unchecked { flags.with_readonly() } else { flags };
+        if lanes > 1 && data(p.ty(index)).1 > 1 {
+            return Ok(self.gather(words, unchecked, scalar, index, lanes, flags));
+        }
+        if lanes > 1 {
+            return Ok(self.load_run(words, unchecked, scalar, index, lanes));
+        }
+        if let Mem::Stream(column) = mem {
+            return Ok(vec![self.load_clamped(*column, scalar, index, flags)]);
+        }
+        let index = self.scalar(index);
+        let place = if unchecked { words.row(&mut self.b, index) } else { words.clamped(&mut self.b, index) };
+        Ok(vec![memory::load(&mut self.b, scalar, &place, flags)])
     }
 
-    /// The machine values of data with these lanes.
-    fn of_lanes(&mut self, scalar: Scalar, lanes: Vec<Value>) -> Vec<Value> {
-        if lanes.len() == 1 { lanes } else { pack::pack(&mut self.b, scalar, &lanes) }
-    }
-
-    fn load_lane(&mut self, mem: &Mem, scalar: Scalar, row: Row) -> Result<Value, String> {
-        let mut flags = MemFlagsData::trusted();
-        let place = match mem {
-            Mem::Stream(column) => self.clamped(*column, row),
-            Mem::Unchecked(column) => {
-                flags = flags.with_readonly();
-                let row = self.row(row);
-                self.buffers.unchecked(&mut self.b, *column, row)
-            }
-            Mem::Local(x) => {
-                let (local, row) = (self.local(*x)?, self.row(row));
-                local.clamped(&mut self.b, row)
-            }
+    /// Loads the word of a row, or of the last one.
+    fn load_clamped(&mut self, column: Column, scalar: Scalar, index: NodeId, flags: MemFlagsData) -> Value {
+        let place = if self.unit.program.as_lit(index) == Some(Lit::U32(0)) {
+            self.buffers.words(column).first()
+        } else {
+            let index = self.scalar(index);
+            self.buffers.clamped(&mut self.b, column, index)
         };
-        Ok(memory::load(&mut self.b, scalar, &place, flags))
-    }
-
-    /// The row of each lane of an access: of a vector of indices its own, of a run the next one.
-    fn rows(&mut self, index: NodeId, lanes: usize) -> Vec<Row> {
-        let (_, own) = data(self.unit.program.ty(index));
-        if own > 1 {
-            let parts = self.values(index);
-            return (0..lanes).map(|lane| Row::At(pack::lane(&mut self.b, Scalar::U32, &parts, lane))).collect();
-        }
-        let first = self.scalar(index);
-        let is_zero = self.unit.program.as_lit(index) == Some(Lit::U32(0));
-        let row = |lane| match lane {
-            0 if is_zero => Row::First,
-            0 => Row::At(first),
-            _ => Row::At(self.b.ins().iadd_imm_u(first, lane as i64)),
-        };
-        (0..lanes).map(row).collect()
-    }
-
-    /// The number of a row.
-    fn row(&mut self, row: Row) -> Value {
-        match row {
-            Row::First => self.b.ins().iconst(types::I32, 0),
-            Row::At(row) => row,
-        }
-    }
-
-    /// The word of a row, or of the last one.
-    fn clamped(&mut self, column: Column, row: Row) -> Place {
-        match row {
-            Row::First => self.buffers.first(column),
-            Row::At(row) => self.buffers.clamped(&mut self.b, column, row),
-        }
+        memory::load(&mut self.b, scalar, &place, flags)
     }
 
     /// Stores, unless the index is out of range; of a vector the lanes under the mask.
     pub(super) fn store(&mut self, mem: &Mem, index: NodeId, value: NodeId, mask: NodeId) -> Result<(), String> {
-        let (scalar, lanes) = self.unit.program.ty(value).lanes().ok_or("it stores what is no data")?;
-        let values = self.values(value);
-        let masks = if mask == NodeId::NONE { Vec::new() } else { self.values(mask) };
-        for (lane, row) in self.rows(index, lanes).into_iter().enumerate() {
-            let row = self.row(row);
-            let value = if lanes == 1 { values[0] } else { pack::lane(&mut self.b, scalar, &values, lane) };
-            let rows = match mem {
-                Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.rows(column.buf),
-                Mem::Local(x) => self.local(*x)?.len(&mut self.b),
-            };
-            let (inside, after) = (self.b.create_block(), self.b.create_block());
-            let mut fits = self.b.ins().icmp(IntCC::UnsignedLessThan, row, rows);
-            if !masks.is_empty() {
-                let active = pack::lane(&mut self.b, Scalar::Bool, &masks, lane);
-                fits = self.b.ins().band(fits, active);
-            }
-            self.b.ins().brif(fits, inside, &[], after, &[]);
-            self.b.switch_to_block(inside);
-            let place = match mem {
-                Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.unchecked(&mut self.b, *column, row),
-                Mem::Local(x) => self.local(*x)?.unchecked(&mut self.b, row),
-            };
-            memory::store(&mut self.b, scalar, &place, value);
-            self.b.ins().jump(after, &[]);
-            self.b.switch_to_block(after);
+        let p = self.unit.program;
+        let (scalar, lanes) = p.ty(value).lanes().ok_or("it stores what is no data")?;
+        let words = self.words(mem)?;
+        if lanes > 1 && data(p.ty(index)).1 > 1 {
+            self.scatter(words, index, value, mask);
+            return Ok(());
         }
+        if lanes > 1 {
+            let own = matches!(mem, Mem::Local(_));
+            self.store_run(words, own, index, value, mask);
+            return Ok(());
+        }
+        let (index, value) = (self.scalar(index), self.scalar(value));
+        let (inside, after) = (self.b.create_block(), self.b.create_block());
+        let fits = self.b.ins().icmp(IntCC::UnsignedLessThan, index, words.rows);
+        self.b.ins().brif(fits, inside, &[], after, &[]);
+        self.b.switch_to_block(inside);
+        let place = words.row(&mut self.b, index);
+        memory::store(&mut self.b, scalar, &place, value);
+        self.b.ins().jump(after, &[]);
+        self.b.switch_to_block(after);
         Ok(())
+    }
+
+    fn words(&mut self, mem: &Mem) -> Result<Words, String> {
+        Ok(match mem {
+            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.words(*column),
+            Mem::Local(x) => self.local(*x)?.words(&mut self.b),
+        })
     }
 
     /// The array that a parameter stands for.

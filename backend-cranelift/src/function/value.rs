@@ -70,7 +70,7 @@ impl Emitter<'_> {
         }
         if matches!(op.rule(), Rule::Lanes(_)) {
             let parts = self.values(main);
-            return vec![vector::over_lanes(&mut self.b, op, &parts, lanes)];
+            return vec![vector::over_lanes(&mut self.b, self.unit.simd, op, &parts, lanes)];
         }
         let amount = if is_shift { self.splatted(args[1]) } else { None };
         let one = |at: usize| {
@@ -108,6 +108,11 @@ impl Emitter<'_> {
         })
     }
 
+    /// The parts of a vector with this scalar in so many lanes.
+    pub(super) fn splat(&mut self, scalar: Scalar, x: Value, lanes: usize) -> Vec<Value> {
+        vec![pack::splat(&mut self.b, scalar, x); lanes.div_ceil(LANES)]
+    }
+
     /// The parts of a vector made of lanes.
     fn pack(&mut self, scalar: Scalar, elems: &[NodeId]) -> Vec<Value> {
         if elems.iter().all(|x| self.unit.program.as_lit(*x).is_some()) {
@@ -116,7 +121,7 @@ impl Emitter<'_> {
         }
         if let Some(x) = same(elems) {
             let x = self.scalar(x);
-            return vec![pack::splat(&mut self.b, scalar, x); elems.len().div_ceil(LANES)];
+            return self.splat(scalar, x, elems.len());
         }
         elems.chunks(LANES).map(|chunk| self.pack_part(scalar, chunk)).collect()
     }
@@ -172,7 +177,7 @@ impl Emitter<'_> {
     }
 
     /// The scalar that a vector has in every lane, if it is made of it.
-    fn splatted(&self, vector: NodeId) -> Option<NodeId> {
+    pub(super) fn splatted(&self, vector: NodeId) -> Option<NodeId> {
         match self.unit.program.node(vector) {
             Node::Pack(elems) => same(elems),
             _ => None,
@@ -180,7 +185,7 @@ impl Emitter<'_> {
     }
 
     /// The words of a part whose lanes are all literals; the elements may go on after the part.
-    fn literal_words(&self, elems: &[NodeId]) -> Option<[u32; LANES]> {
+    pub(super) fn literal_words(&self, elems: &[NodeId]) -> Option<[u32; LANES]> {
         let mut words = [0; LANES];
         for (x, word) in elems.iter().zip(&mut words) {
             *word = in_lane(self.unit.program.as_lit(*x)?);

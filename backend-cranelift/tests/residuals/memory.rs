@@ -1,10 +1,10 @@
 //! Tables, streams and local arrays, in range and out of it.
 
-use jerboa_backend_cranelift::{Error, Options, compile};
+use jerboa_backend_cranelift::{Binding, Error, Opt, Options, Status, compile};
 use jerboa_ir::interp::Memory;
 use jerboa_ir::*;
 
-use crate::build::{Build, agree, residual};
+use crate::build::{Build, agree, code, residual};
 
 fn memory(rows: u32, words: impl IntoIterator<Item = u32>) -> Memory {
     Memory { rows, words: words.into_iter().collect() }
@@ -220,5 +220,47 @@ fun f(at: {index}, return: fn(f32x4))
         ));
         let args: Vec<Lit> = at.iter().map(|i| Lit::U32(*i)).collect();
         agree(&p, "f", &args, &[memory(7, (0..14).map(|i| i * 0x0101_0101))]);
+    }
+}
+
+/// Lanes that are not under the mask are not even written as they were: another thread may write there. Here it is memory
+/// that nobody may write, so that a mistake ends the process.
+#[cfg(target_os = "linux")]
+#[test]
+fn lanes_beside_the_mask_are_left_alone() {
+    // SAFETY: this is how the C library declares it.
+    unsafe extern "C" {
+        fn mprotect(address: *mut u32, bytes: usize, protection: i32) -> i32;
+    }
+    const READ: i32 = 1;
+    const WRITE: i32 = 2;
+    /// As large as a page of any machine.
+    #[repr(align(65536))]
+    struct Page([u32; 1 << 14]);
+    for access in ["u32", "u32x8"] {
+        let p = residual(&format!(
+            "stream s by columns
+  x: u32 bulk
+entry f = f
+fun f(i: {access}, value: u32x8, mask: boolx8, return: fn())
+  store s.x i value when mask -> stored
+  rest stored()
+  jump return()
+"
+        ));
+        let code = code(&p, Opt::None);
+        let mut pages = vec![Page([0; 1 << 14]), Page([0; 1 << 14])];
+        let end = pages[0].0.len() as u32;
+        let binding = Binding { words: pages.as_mut_ptr().cast(), rows: 2 * end };
+        // SAFETY: these bytes are the second page, all of it.
+        let protect = |how| unsafe { mprotect(binding.words.add(end as usize), size_of::<Page>(), how) };
+        assert_eq!(protect(READ), 0);
+        let rows: Vec<u32> = (end - 3..end + 5).collect();
+        let mask = [1, 0, 1, 0, 0, 0, 0, 0];
+        let args = [&rows[..if access == "u32" { 1 } else { 8 }], &[7; 8], &mask].concat();
+        // SAFETY: the one buffer is bound, with a word in each of its rows; those under the mask may be written.
+        let status = unsafe { code.kernel("f").expect("it is an entry").call(&[binding], &args, &mut []) };
+        assert_eq!((status, protect(READ | WRITE)), (Status::Done, 0));
+        assert_eq!(pages[0].0[end as usize - 4..], [0, 7, 0, 7]);
     }
 }
