@@ -10,13 +10,6 @@ use crate::schema::{Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
 
 /// Bound on the relative error of seven roundings in a row (Higham 2002, Lemma 3.1): 7 · 2^-24 / (1 − 7 · 2^-24).
 pub const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
-/// The triangle test finds a plane through the origin of its ray within 8 · 2^-24 of the triangle's size, if that is well
-/// shaped; without this part a surface in a coordinate plane, whose points have no error there, would meet its coincident
-/// twin. A thin triangle's plane is found less well, by its size over its altitude; but no more than eight times is granted,
-/// so that the whole stays below 1e-5 of the size (accuracy.md, T10).
-const HIT_ERROR: f32 = 1.0 / 2_097_152.0;
-/// See [`HIT_ERROR`].
-const MOST_THIN: f32 = 8.0;
 /// How far from the sides rays start, in barycentric weights: 2^-19, 32 of the triangle's own roundings. On a side shared
 /// with another wall a rounded point lies beyond that wall as often as not, and would see what is behind it.
 const INWARD: f32 = 1.0 / 524_288.0;
@@ -26,6 +19,8 @@ const NOISE: f32 = 1.0 / 1_048_576.0;
 /// A triangle and a point of it.
 #[derive(Clone, Copy)]
 pub struct Triangle {
+    /// Its row.
+    row: Row<Primitives>,
     /// Rows of the corners.
     index: [U32; 3],
     /// Barycentric weights of the point.
@@ -37,7 +32,7 @@ impl Triangle {
     pub fn of(hit: Hit) -> Triangle {
         let row = Row::<Primitives>::at(hit.primitive);
         let index = [Primitives::I0, Primitives::I1, Primitives::I2].map(|i| row.get(i));
-        Triangle { index, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
+        Triangle { row, index, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
     }
 
     /// A vector attribute at each corner.
@@ -60,7 +55,7 @@ impl Triangle {
     }
 
     /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| for the point itself (pbrt, 4th ed.,
-    /// 6.8.5), and `HIT_ERROR` of the longest edge for how well a ray that starts there can tell where this plane is. Then
+    /// 6.8.5), and [`Primitives::PLANE_ERROR`] for how well a ray that starts there can tell where this plane is. Then
     /// where rays leave it: the point, moved towards the centroid until it is inside of all three sides whatever was
     /// rounded, by `INWARD` of the triangle and a quarter of γ7 Σ |w p|, which is some roundings.
     pub fn point(self) -> (Vec3, Vec3, Vec3) {
@@ -68,12 +63,9 @@ impl Triangle {
         let point = self.blend(at);
         let [p, q, r] = std::array::from_fn(|i| (at[i] * self.weights[i]).abs());
         let error = (p + q + r).map(|e| e * GAMMA_7);
-        let size = (at[1] - at[0]).abs().zip((at[2] - at[0]).abs(), F32::max).max_element();
-        let [e1, e2] = self.edges();
-        let thin = (1.0 / e1.cross(e2).abs().max_element()).min(MOST_THIN);
-        let inward = (error.max_element() / size * 0.25 + INWARD).min(1.0 / 3.0);
+        let inward = (error.max_element() / self.row.get(Primitives::SIZE) * 0.25 + INWARD).min(1.0 / 3.0);
         let to_corners = (at[0] - point) + (at[1] - point) + (at[2] - point);
-        (point, error.map(|e| e + size * thin * HIT_ERROR), point + to_corners * inward)
+        (point, error.map(|e| e + self.row.get(Primitives::PLANE_ERROR)), point + to_corners * inward)
     }
 
     /// The edges from the first corner, each divided by one length, so that products neither overflow nor vanish.
@@ -86,8 +78,8 @@ impl Triangle {
 
     /// Unit normal, on the side where the corners run counter-clockwise.
     pub fn face_normal(self) -> Vec3 {
-        let [e1, e2] = self.edges();
-        e1.cross(e2).normalize_scaled()
+        let [x, y, z] = [Primitives::NORMAL_X, Primitives::NORMAL_Y, Primitives::NORMAL_Z].map(|n| self.row.get(n));
+        vec3(x, y, z)
     }
 
     /// Texture coordinates of both sets; 0 where there are none.

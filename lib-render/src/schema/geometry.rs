@@ -33,6 +33,16 @@ table! {
         GEOMETRY: U32, bulk;
         /// Row of [`Lights`], or `NONE`.
         LIGHT: U32, bulk;
+        /// Unit normal of the plane, world, on the side where the corners run counter-clockwise.
+        NORMAL_X: F32, bulk;
+        /// See [`Primitives::NORMAL_X`].
+        NORMAL_Y: F32, bulk;
+        /// See [`Primitives::NORMAL_X`].
+        NORMAL_Z: F32, bulk;
+        /// Largest difference of a coordinate between the first corner and another, m.
+        SIZE: F32, bulk;
+        /// How far off the plane a ray that starts on it may find it, m; see `host::tables::plane`.
+        PLANE_ERROR: F32, bulk;
     }
 }
 

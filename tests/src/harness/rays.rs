@@ -5,6 +5,7 @@
 
 use jerboa_ir::lang::{Block, Bool, Col, Fun, Keep, U32, entry};
 use jerboa_lib_render::host::bvh::{Bounds, Bvh, BvhNode, ChildRef, Triangle};
+use jerboa_lib_render::host::tables::plane::Plane;
 use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::{NONE, Nodes, Triangles};
 use jerboa_lib_render::traverse::bvh::Slabs;
@@ -253,6 +254,11 @@ pub fn load(bench: &mut Bench, bvh: &Bvh, triangles: &[Triangle]) {
         }
         bench.set(Triangles::PRIMITIVE, slot, number);
     }
+}
+
+/// Put what hits need of a triangle's plane on the bench.
+pub fn set_plane(bench: &mut Bench, primitive: usize, triangle: &Triangle) {
+    Plane::of(triangle).columns().into_iter().for_each(|(column, x)| bench.set(column, primitive, x));
 }
 
 /// Declares kernels `nearest` and `any` (ray → hit) of a traversal that accepts every hit.

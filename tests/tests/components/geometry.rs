@@ -15,6 +15,7 @@ use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Se
 use jerboa_lib_render::shader::Shader;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
+use jerboa_tests::harness::rays::set_plane;
 
 /// A shader that nobody asks.
 pub fn no_shader() -> Shader {
@@ -102,6 +103,7 @@ fn bench() -> Bench {
 }
 
 fn place(bench: &mut Bench, corners: [[f32; 3]; 3]) {
+    set_plane(bench, 0, &corners);
     for (row, p) in corners.into_iter().enumerate() {
         bench.set(Vertices::X, row, p[0]);
         bench.set(Vertices::Y, row, p[1]);

@@ -15,7 +15,7 @@ use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 use crate::geometry::no_shader;
 use jerboa_tests::harness::bench::{Bench, Random, number, stream};
 use jerboa_tests::harness::lights::set_area;
-use jerboa_tests::harness::rays::{load, ray};
+use jerboa_tests::harness::rays::{load, ray, set_plane};
 
 /// Kernels: what a ray meets that leaves a hit in a direction, by the renderer's way to start and by two others; and what
 /// lies between a hit and the light.
@@ -61,6 +61,7 @@ fn place(bench: &mut Bench, triangles: &[Triangle]) {
     bench.rows::<Primitives>(triangles.len());
     bench.rows::<Vertices>(3 * triangles.len());
     for (i, t) in triangles.iter().enumerate() {
+        set_plane(bench, i, t);
         for (k, column) in [Primitives::I0, Primitives::I1, Primitives::I2].into_iter().enumerate() {
             bench.set(column, i, (3 * i + k) as u32);
             bench.set(Vertices::X, 3 * i + k, t[k][0]);

@@ -6,6 +6,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use jerboa_scenes::{Instance, Mesh, Scene};
 
 use super::memory::{Memory, Table};
+use super::plane::Plane;
 use crate::host::bvh::{Bvh, Triangle};
 use crate::schema::*;
 
@@ -108,13 +109,12 @@ impl Geometry {
         use Primitives as P;
         let mut table = Table::<P>::new();
         for (i, [a, b, c]) in self.corners.iter().enumerate() {
-            table
-                .push()
-                .set(P::I0, *a)
-                .set(P::I1, *b)
-                .set(P::I2, *c)
-                .set(P::GEOMETRY, self.geometry_of[i])
-                .set(P::LIGHT, light_of[i]);
+            let mut row = table.push();
+            row.set(P::I0, *a).set(P::I1, *b).set(P::I2, *c);
+            row.set(P::GEOMETRY, self.geometry_of[i]).set(P::LIGHT, light_of[i]);
+            for (column, x) in Plane::of(&self.triangles[i]).columns() {
+                row.set(column, x);
+            }
         }
         table.finish()
     }

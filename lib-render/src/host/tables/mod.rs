@@ -3,13 +3,14 @@
 //! A scene enters the program here and nowhere else: as memory, and as the classes of its rows. In reading order:
 //!
 //! * [`memory`]: typed rows over words,
-//! * [`textures`], [`materials`], [`geometry`], [`lights`]: what each table holds,
+//! * [`textures`], [`materials`], [`geometry`], [`plane`], [`lights`]: what each table holds,
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
 
 pub mod memory;
 pub mod textures;
 pub mod materials;
 pub mod geometry;
+pub mod plane;
 pub mod lights;
 pub mod classes;
 

@@ -14,7 +14,7 @@ use jerboa_lib_render::shader::make_shader;
 use jerboa_lib_render::traverse::make_traverse;
 use jerboa_tests::harness::bench::{Bench, Random};
 use jerboa_tests::harness::naive::{self, BoxTest, TriangleTest};
-use jerboa_tests::harness::rays::{AIMS, Place, ball, declare_traversal, load, ray};
+use jerboa_tests::harness::rays::{AIMS, Place, ball, declare_traversal, load, ray, set_plane};
 
 use crate::renders::absolute;
 
@@ -136,6 +136,7 @@ fn starts(name: &str, calls: u64) {
     });
     let triangle: Triangle = [[0.0, 0.1, 0.2], [1.0, 0.3, 0.1], [0.2, 1.0, 0.4]];
     bench.rows::<Vertices>(3);
+    set_plane(&mut bench, 0, &triangle);
     for (i, p) in triangle.iter().enumerate() {
         bench.set([Primitives::I0, Primitives::I1, Primitives::I2][i], 0, i as u32);
         let columns = [Vertices::X, Vertices::Y, Vertices::Z];
