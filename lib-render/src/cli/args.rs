@@ -45,6 +45,12 @@ pub enum BenchCommand {
     /// standard errors and has neither. The exit code is 0 if all pass. `--json` adds what each scene is for, and what a naive
     /// renderer does there.
     Stability(StabilityArgs),
+    /// Trace rays without shading: millions a second
+    ///
+    /// A line for each set of rays: from the camera, diffuse from where those hit, diffuse from where these hit, the same in
+    /// random order, and to lights. `--write` leaves the sets in files, for other tracers: per ray eight 32-bit floats, origin, 0,
+    /// direction, end.
+    Rays(RaysArgs),
 }
 
 /// The scene that is rendered when none is named.
@@ -322,6 +328,26 @@ pub struct StabilityArgs {
     /// Write a contact sheet of the pictures, each exposed to the same mean; the names of scenes that fail are red
     #[arg(short, long, value_name = "SHEET.png")]
     pub output: Option<PathBuf>,
+}
+
+/// Words of `jerboa bench rays`.
+#[derive(Debug, Args)]
+pub struct RaysArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// Side of the square film in pixels, a camera ray each
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(4..=8192))]
+    pub side: u32,
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Print an object as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write each set of rays to NAME.rays in this folder
+    #[arg(long, value_name = "FOLDER")]
+    pub write: Option<PathBuf>,
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ mod inspect;
 mod trace;
 mod compare;
 mod bench;
+mod rays;
 
 use crate::host::error::Error;
 use args::{BenchCommand, Cli, Command};
@@ -43,6 +44,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Explain(args) => print(&inspect::explain(&args)?),
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
+        Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
         Command::Bench { command: BenchCommand::Stability(args) } => {
             let (table, failed) = bench::stability(&args)?;
             print(&table)?;

@@ -12,7 +12,8 @@
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it,
 //! * [`student`]: the quantiles that this takes,
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
-//! * [`sheet`]: pictures in rows, with their names.
+//! * [`sheet`]: pictures in rows, with their names,
+//! * [`rays`]: raw tracing, in rays per second.
 
 pub mod tables;
 pub mod generate;
@@ -28,6 +29,7 @@ pub mod bvh;
 pub mod compare;
 pub mod stability;
 pub mod sheet;
+pub mod rays;
 pub mod distribution;
 pub mod error;
 pub mod film;
