@@ -6,6 +6,7 @@ use crate::lang::block::Block;
 use crate::lang::fun::always;
 use crate::lang::staged::{Staged, leaf, next};
 use crate::lang::value::{Bool, F32, I32, U32};
+use crate::lang::vector::Vector;
 use crate::lang::{here, with};
 use crate::program::*;
 use crate::ty::{Scalar, Ty};
@@ -184,7 +185,7 @@ impl<T> Clone for Array<T> {
 impl<T> Copy for Array<T> {}
 
 impl Block {
-    fn load_from<T: Elem>(&mut self, mem: Mem, index: U32, loc: Loc) -> T {
+    fn load_from<T: Staged>(&mut self, mem: Mem, index: U32, loc: Loc) -> T {
         let (rest, value) = Block::continuation::<T>("loaded", Role::Rest, always(), loc);
         let next = with(|w| w.cont_value(rest));
         self.leave(Body::Load { mem, index: index.node(), next }, loc);
@@ -209,6 +210,16 @@ impl Block {
     #[track_caller]
     pub fn read_unchecked<B: Buf, T: Elem>(&mut self, column: Col<B, T>, index: impl Into<U32>) -> T {
         self.load_from(Mem::Unchecked(column.column()), index.into(), here())
+    }
+
+    /// As [`Block::read_unchecked`], of `N` rows from this one on.
+    #[track_caller]
+    pub fn read_run<B: Buf, T: Elem, const N: usize>(
+        &mut self,
+        column: Col<B, T>,
+        first: impl Into<U32>,
+    ) -> Vector<T, N> {
+        self.load_from(Mem::Unchecked(column.column()), first.into(), here())
     }
 
     /// Store to a stream; out of range it does nothing.

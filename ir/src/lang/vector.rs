@@ -107,6 +107,12 @@ macro_rules! numeric {
             /// Element by element: self ≤ other.
             #[track_caller]
             pub fn le(self, other: Self) -> Vector<Bool, N> { Vector::make(Op::Le, &[self.0, other.0], here()) }
+            /// Element by element: self > other.
+            #[track_caller]
+            pub fn gt(self, other: Self) -> Vector<Bool, N> { Vector::make(Op::Gt, &[self.0, other.0], here()) }
+            /// Element by element: self ≥ other.
+            #[track_caller]
+            pub fn ge(self, other: Self) -> Vector<Bool, N> { Vector::make(Op::Ge, &[self.0, other.0], here()) }
             /// Element by element: self < other ? self : other.
             #[track_caller]
             pub fn min(self, other: Self) -> Self { Vector::make(Op::Min, &[self.0, other.0], here()) }
@@ -124,6 +130,35 @@ macro_rules! numeric {
     )+ };
 }
 numeric! { F32 I32 U32 }
+
+impl<const N: usize> Vector<F32, N> {
+    /// Element by element: see [`F32::bits`].
+    #[track_caller]
+    pub fn bits(self) -> Vector<U32, N> {
+        Vector::make(Op::Bits, &[self.0], here())
+    }
+}
+
+impl<const N: usize> Vector<U32, N> {
+    /// Element by element: see [`U32::float_of_bits`].
+    #[track_caller]
+    pub fn float_of_bits(self) -> Vector<F32, N> {
+        Vector::make(Op::FloatOfBits, &[self.0], here())
+    }
+}
+
+/// Bitwise (or logical) operations.
+macro_rules! logic {
+    ($($elem:ident)+) => { $(logic!(@op $elem BitAnd bitand And, BitOr bitor Or);)+ };
+    (@op $elem:ident $($trait:ident $method:ident $op:ident),+) => { $(
+        impl<const N: usize> ops::$trait for Vector<$elem, N> {
+            type Output = Self;
+            #[track_caller]
+            fn $method(self, other: Self) -> Self { Vector::make(Op::$op, &[self.0, other.0], here()) }
+        }
+    )+ };
+}
+logic! { Bool U32 }
 
 impl<const N: usize> Vector<Bool, N> {
     /// Does any element hold?
