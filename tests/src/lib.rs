@@ -17,6 +17,7 @@
 //! ```
 
 pub mod choices;
+pub mod coverage;
 pub mod forms;
 pub mod golden;
 pub mod harness;

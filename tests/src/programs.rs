@@ -2,8 +2,8 @@
 //!
 //! They are made of structured statements, as an author would write them: branches, switches and dispatches that meet
 //! in joins, bounded loops with breaks, functions of first and higher order with filters of all kinds, bounded recursion,
-//! labels with exits, tuples, vectors, tables whose columns have every binding time, streams and local arrays. Loops run a
-//! few times and recursion goes a few levels down, so programs end; the number of statements is bounded, so they end soon.
+//! labels with exits, tuples, vectors, tables whose columns have every binding time, streams and local arrays, loops of
+//! independent iterations. Loops run a few times and recursion goes a few levels down, so programs end; the number of statements is bounded, so they end soon.
 //!
 //! Law 4 is kept: no function value depends on an unknown. What has to stay in one residual function is marked as
 //! *tied* (`Value::tied`) and is not shown to functions that may stay calls.
@@ -12,6 +12,7 @@ mod control;
 mod exprs;
 mod functions;
 mod stmts;
+mod vectorize;
 
 use jerboa_ir::interp::Memory;
 use jerboa_ir::*;
@@ -56,6 +57,12 @@ struct Gen<'c> {
     pinned: Vec<(NodeId, NodeId)>,
     /// Statements made: the line of the pretended source.
     line: u32,
+    /// The iteration of a `vectorize` that is being written.
+    iteration: Option<vectorize::Iteration>,
+    /// Functions that touch no stream.
+    calm: Vec<NodeId>,
+    /// Does what is being written touch a stream?
+    touched: bool,
 }
 
 /// The buffers of every program, by number.
@@ -71,8 +78,20 @@ pub fn case(c: &mut Choices) -> Case {
     let mut w = World::new();
     declare(&mut w);
     let memory = w.program().buffers.iter().map(|b| content(b, c)).collect();
-    let mut g = Gen { w, c, at: ContId(0), env: vec![], exits: vec![], budget: 0, depth: 0, pinned: vec![], line: 1 };
-    g.budget = g.c.below(STATEMENTS);
+    let mut g = Gen {
+        w,
+        budget: c.below(STATEMENTS),
+        c,
+        at: ContId(0),
+        env: vec![],
+        exits: vec![],
+        depth: 0,
+        pinned: vec![],
+        line: 1,
+        iteration: None,
+        calm: vec![],
+        touched: false,
+    };
     let mut params: Vec<Ty> = (0..1 + g.c.below(4)).map(|_| g.scalar_ty()).collect();
     if g.c.one_in(4) {
         params.push(g.vector_ty());
@@ -135,7 +154,7 @@ fn declare(w: &mut World) {
 /// Random content. Streams may be empty; classes are numbered later, by what is known.
 fn content(buffer: &Buffer, c: &mut Choices) -> Memory {
     let table = matches!(buffer.kind, BufKind::Table { .. });
-    let rows = if table { 1 + c.below(4) } else { c.below(5) };
+    let rows = if table { 1 + c.below(4) } else { c.pick(&[0, 1, 2, 3, 4, 11, 35]) };
     let mut words = vec![0; rows as usize * buffer.columns.len()];
     for row in 0..rows as usize {
         for (col, decl) in buffer.columns.iter().enumerate() {

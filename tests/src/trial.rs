@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift as cranelift;
-use jerboa_ir::interp::{Interp, Limits, Memory, Observer, Stop};
+use jerboa_ir::interp::{Interp, Limits, Memory, Stop};
 use jerboa_ir::*;
 use jerboa_peval::{Arg, Error, Facts, Generic, Options, specialize};
 
 use crate::choices::Choices;
+use crate::coverage::{Coverage, Watch, within_iterations};
 use crate::knowledge::{Level, classify};
 use crate::machine::call;
 use crate::programs::Case;
@@ -27,11 +28,11 @@ pub struct Tally {
     pub runs: u64,
     /// Runs that reached a limit, or whose program the evaluator did not finish.
     pub unfinished: u64,
-    /// Operations that the interpreter has executed in generic programs.
-    pub interpreted: BTreeSet<Op>,
+    /// What the interpreter has executed in generic programs.
+    pub interpreted: Coverage,
     /// … that the evaluator has left in residuals, and the interpreter has executed there.
-    pub left: BTreeSet<Op>,
-    /// … that were compiled to machine code.
+    pub left: Coverage,
+    /// Operations that were compiled to machine code.
     pub compiled: BTreeSet<Op>,
     /// The longest that the evaluator took for a program.
     pub slowest: Duration,
@@ -42,8 +43,8 @@ impl Tally {
     pub fn add(&mut self, other: Tally) {
         self.runs += other.runs;
         self.unfinished += other.unfinished;
-        self.interpreted.extend(other.interpreted);
-        self.left.extend(other.left);
+        self.interpreted.add(other.interpreted);
+        self.left.add(other.left);
         self.compiled.extend(other.compiled);
         self.slowest = self.slowest.max(other.slowest);
     }
@@ -70,6 +71,7 @@ pub fn check(case: &Case, seed: u64, inputs: u64, tally: &mut Tally) -> Result<(
     clean("the program", &verify(&case.program), &case.program)?;
     round_trip(&case.program)?;
     let trial = Trial::new(case, seed, inputs, tally)?;
+    trial.check_order("the program in another order", &case.program, seed)?;
     trial.check_construction()?;
     let generic = Generic::new(case.program.clone());
     let start = Instant::now();
@@ -80,6 +82,7 @@ pub fn check(case: &Case, seed: u64, inputs: u64, tally: &mut Tally) -> Result<(
         return Ok(());
     };
     trial.check_residual("the residual", &residual, tally)?;
+    trial.check_order("the residual in another order", &residual, seed)?;
     for (stage, options) in [
         ("the residual before it is tidied", Options { tidy: false, ..Options::default() }),
         ("the residual in chaos", Options { chaos: Some(seed), ..Options::default() }),
@@ -100,9 +103,10 @@ impl<'c> Trial<'c> {
         let facts = classify(&case.program, &mut memory, c.pick(&[Level::Nothing, Level::Structure, Level::All]));
         let split = Split::new(case, &mut c);
         let mut runs = Vec::new();
+        let program = Ready::new(&case.program);
         for _ in 0..inputs {
             let args = split.input(case.arguments(&mut c));
-            let outcome = interpret(&case.program, case.main, &args, &memory, &mut tally.interpreted);
+            let outcome = program.run(&args, &memory, &mut tally.interpreted);
             tally.runs += 1;
             match outcome {
                 Err(Stop::Fault { .. }) => return Err(format!("interpreter, on {args:?}: {outcome:?}")),
@@ -117,8 +121,20 @@ impl<'c> Trial<'c> {
     fn check_construction(&self) -> Result<(), String> {
         let folded = refold(&self.case.program, self.case.main, &self.split.literals());
         clean("the program built again", &verify(&folded), &folded)?;
-        self.compare("the program built again", &folded, |args| {
-            interpret(&folded, self.case.main, args, &self.memory, &mut BTreeSet::new())
+        let ready = Ready::new(&folded);
+        self.compare("the program built again", &folded, |args| ready.run(args, &self.memory, &mut Coverage::default()))
+    }
+
+    /// The order of independent iterations changes nothing.
+    fn check_order(&self, stage: &str, p: &Program, order: u64) -> Result<(), String> {
+        if !p.conts.iter().any(|c| matches!(c.body, Body::Vectorize { .. })) {
+            return Ok(());
+        }
+        let generic = std::ptr::eq(p, &self.case.program);
+        let ready = Ready { interp: Interp::new(p).shuffled(order), ..Ready::new(p) };
+        self.compare(stage, p, |args| {
+            let args = if generic { args.to_vec() } else { self.split.unknown(args) };
+            ready.run(&args, &self.memory, &mut Coverage::default())
         })
     }
 
@@ -134,10 +150,8 @@ impl<'c> Trial<'c> {
 
     fn check_residual(&self, stage: &str, residual: &Program, tally: &mut Tally) -> Result<(), String> {
         clean(stage, &verify_residual(residual), residual)?;
-        let main = residual.entry("main").expect("the residual has the entry");
-        self.compare(stage, residual, |args| {
-            interpret(residual, main, &self.split.unknown(args), &self.memory, &mut tally.left)
-        })
+        let ready = Ready::new(residual);
+        self.compare(stage, residual, |args| ready.run(&self.split.unknown(args), &self.memory, &mut tally.left))
     }
 
     /// Specialising a residual again changes nothing, if nothing more is known.
@@ -219,19 +233,26 @@ fn round_trip(p: &Program) -> Result<(), String> {
     if twice == text { Ok(()) } else { Err(format!("the text\n{text}\nreads back as\n{twice}")) }
 }
 
-fn interpret(p: &Program, main: ContId, args: &[Lit], memory: &[Memory], ops: &mut BTreeSet<Op>) -> Outcome {
-    /// Collects the operations that are evaluated.
-    struct Ops<'p>(&'p Program, &'p mut BTreeSet<Op>);
-    impl Observer for Ops<'_> {
-        fn value(&mut self, node: NodeId, _: Lit) {
-            if let Node::Prim { op, .. } = self.0.node(node) {
-                self.1.insert(*op);
-            }
-        }
+/// A program that is ready to be interpreted.
+struct Ready<'p> {
+    program: &'p Program,
+    interp: Interp<'p>,
+    within: Vec<bool>,
+}
+
+impl<'p> Ready<'p> {
+    fn new(program: &'p Program) -> Ready<'p> {
+        Ready { program, interp: Interp::new(program), within: within_iterations(program) }
     }
-    let mut memory = memory.to_vec();
-    let results = Interp::new(p).run_observed(main, args, &mut memory, LIMITS, &mut Ops(p, ops))?;
-    Ok((results, canonical(p, memory)))
+
+    /// Run its `main`.
+    fn run(&self, args: &[Lit], memory: &[Memory], coverage: &mut Coverage) -> Outcome {
+        let mut memory = memory.to_vec();
+        let main = self.program.entry("main").expect("there is a main");
+        let mut watch = Watch { program: self.program, within: &self.within, coverage };
+        let results = self.interp.run_observed(main, args, &mut memory, LIMITS, &mut watch)?;
+        Ok((results, canonical(self.program, memory)))
+    }
 }
 
 /// Every NaN in memory becomes the one NaN, as a load makes it.

@@ -17,6 +17,28 @@ impl Gen<'_> {
             filter = self.w.lit(Lit::Bool(false));
         }
         self.w.cont_mut(rec).filter = filter;
+        self.note_calm(rec_value, |g| {
+            g.recursive_body(rec, rec_value, &data);
+        });
+        let (start, start_value) = self.function("start", &params, &results);
+        let s = self.w.params(start);
+        let filter = self.filter(&s[..params.len()]);
+        self.w.cont_mut(start).filter = filter;
+        self.note_calm(start_value, |g| {
+            g.note_call(rec_value);
+            g.write(start, false, |g| {
+                let three = g.u32(3);
+                let mut args = s.clone();
+                args[0] = g.w.prim(Op::And, &[s[0], three], loc);
+                g.jump(rec_value, args);
+            });
+        });
+        self.show(start_value, false);
+    }
+
+    /// The result where the number is 0, else calls with a smaller one.
+    fn recursive_body(&mut self, rec: ContId, rec_value: NodeId, data: &[Ty]) {
+        let (r, loc) = (self.w.params(rec), self.loc());
         self.write(rec, false, |g| {
             let (zero, one) = (g.u32(0), g.u32(1));
             let cond = g.w.prim(Op::Eq, &[r[0], zero], loc);
@@ -37,17 +59,6 @@ impl Gen<'_> {
                 g.finish(ret);
             });
         });
-        let (start, start_value) = self.function("start", &params, &results);
-        let s = self.w.params(start);
-        let filter = self.filter(&s[..params.len()]);
-        self.w.cont_mut(start).filter = filter;
-        self.write(start, false, |g| {
-            let three = g.u32(3);
-            let mut args = s.clone();
-            args[0] = g.w.prim(Op::And, &[s[0], three], loc);
-            g.jump(rec_value, args);
-        });
-        self.show(start_value, false);
     }
 
     /// A function or an exit of this type, made here.
@@ -83,9 +94,11 @@ impl Gen<'_> {
             let filter = self.filter(&data);
             self.w.cont_mut(cont).filter = filter;
         }
-        self.write(cont, open, |g| {
-            g.block();
-            g.finish(g.exits[0]);
+        self.note_calm(value, |g| {
+            g.write(cont, open, |g| {
+                g.block();
+                g.finish(g.exits[0]);
+            });
         });
         self.show(value, open);
     }
@@ -108,6 +121,7 @@ impl Gen<'_> {
     }
 
     fn call_with(&mut self, callee: NodeId, mut args: Vec<NodeId>, mode: Mode) {
+        self.note_call(callee);
         let ret = *self.w.program().ty(callee).params().and_then(|p| p.last()).expect("a function returns");
         let (rest, results) = self.cont("rest", Role::Rest, ret.params().expect("a return is code"));
         args.push(self.w.cont_value(rest));

@@ -31,6 +31,7 @@ impl Gen<'_> {
                 19 if !flat => self.recursion(),
                 20 | 21 if !flat => self.define(),
                 22 | 23 => self.call(),
+                24 if !flat && self.iteration.is_none() => self.vectorize(),
                 _ => {}
             }
         }
@@ -111,6 +112,7 @@ impl Gen<'_> {
         let callees: Vec<NodeId> = self.env.iter().map(|v| v.node).filter(|f| returns_alike(self, *f)).collect();
         if !callees.is_empty() && self.c.one_in(6) {
             let callee = self.c.pick(&callees);
+            self.note_call(callee);
             let mut args = self.arguments(callee);
             args.push(to);
             return self.jump(callee, args);
@@ -134,26 +136,35 @@ impl Gen<'_> {
 
     // ---- memory
 
-    fn load(&mut self) {
-        let (mem, scalar) = self.memory();
-        let index = self.value(Ty::u32());
+    pub fn load(&mut self) {
+        let Some((mem, scalar)) = self.memory(false) else { return };
+        let index = self.index(mem);
         let (rest, value) = self.cont("loaded", Role::Rest, &[Ty::scalar(scalar)]);
         let next = self.w.cont_value(rest);
         self.leave(Body::Load { mem, index, next });
         self.go_on(rest, &value);
     }
 
-    fn store(&mut self) {
-        let (mem, scalar) = self.memory();
-        let (index, value) = (self.value(Ty::u32()), self.value(Ty::scalar(scalar)));
+    pub fn store(&mut self) {
+        let Some((mem, scalar)) = self.memory(true) else { return };
+        let (index, value) = (self.index(mem), self.value(Ty::scalar(scalar)));
         let (rest, _) = self.cont("stored", Role::Rest, &[]);
         let next = self.w.cont_value(rest);
         self.leave(Body::Store { mem, index, value, mask: NodeId::NONE, next });
         self.go_on(rest, &[]);
     }
 
-    /// A local array in scope, else a column of a stream.
-    fn memory(&mut self) -> (Mem, Scalar) {
+    /// An index, which an iteration's own column decides.
+    fn index(&mut self, mem: Mem) -> NodeId {
+        let place = match (mem, &self.iteration) {
+            (Mem::Stream(column), Some(iteration)) => iteration.place(column),
+            _ => None,
+        };
+        place.unwrap_or_else(|| self.value(Ty::u32()))
+    }
+
+    /// A local array in scope, else a column of a stream that may be stored to; none if an iteration has none.
+    fn memory(&mut self, store: bool) -> Option<(Mem, Scalar)> {
         let mut arrays = Vec::new();
         for v in &self.env {
             if let TyKind::Local(scalar, _) = self.w.program().ty(v.node).kind() {
@@ -162,11 +173,22 @@ impl Gen<'_> {
         }
         if !arrays.is_empty() && self.c.below(3) > 0 {
             let (array, scalar) = self.c.pick(&arrays);
-            return (Mem::Local(array), scalar);
+            return Some((Mem::Local(array), scalar));
         }
-        let column = Column { buf: self.c.pick(&STREAMS), col: self.c.below(4) };
+        self.touched = true;
+        let any = Column { buf: self.c.pick(&STREAMS), col: self.c.below(4) };
+        let column = match &self.iteration {
+            Some(iteration) if store => {
+                let own = iteration.columns();
+                if own.is_empty() {
+                    return None;
+                }
+                self.c.pick(&own)
+            }
+            _ => any,
+        };
         match self.w.program().column(column).ty {
-            ColTy::Scalar(scalar) => (Mem::Stream(column), scalar),
+            ColTy::Scalar(scalar) => Some((Mem::Stream(column), scalar)),
             ColTy::Ref(_) => unreachable!("streams hold scalars"),
         }
     }
