@@ -16,8 +16,7 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
     let loads = drop_loads(draft, &order, &needed);
     let mut dropped: FxHashMap<ContId, Vec<usize>> = FxHashMap::default();
     for c in &order {
-        let calls_only = mentions[c.index()].iter().all(|m| matches!(m, Mention::Call(_) | Mention::Body(_)));
-        if *c == draft.entry || !calls_only {
+        if !may_shrink(draft, *c, &mentions) {
             continue;
         }
         let count = draft.p().cont(*c).params.len();
@@ -40,6 +39,11 @@ fn index_of(draft: &Draft, c: ContId, mentions: &[Mention]) -> Option<usize> {
     is_body.then(|| draft.p().cont(c).params.len() - 2)
 }
 
+/// May it lose parameters? Not where something else than a jump passes them: the host, a load, a function's return.
+fn may_shrink(draft: &Draft, c: ContId, mentions: &[Vec<Mention>]) -> bool {
+    c != draft.entry && mentions[c.index()].iter().all(|m| matches!(m, Mention::Call(_) | Mention::Body(_)))
+}
+
 /// A parameter made while asking is in no body, so not needed.
 fn is_needed(needed: &[bool], node: NodeId) -> bool {
     needed.get(node.index()).copied().unwrap_or(false)
@@ -52,12 +56,15 @@ fn needed_nodes(draft: &Draft, order: &[ContId], mentions: &[Vec<Mention>]) -> V
     let mut stack: Vec<NodeId> = Vec::new();
     for c in order {
         match draft.body(*c) {
-            // Arguments are needed when the parameter is; a return needs all.
-            Body::Jump { callee, args, .. } if draft.cont_of(*callee).is_some() => {
-                let index = draft.cont_of(*callee).and_then(|to| index_of(draft, to, &mentions[to.index()]));
-                let stays = |(i, x): &(usize, &NodeId)| Some(*i) == index || !p.ty(**x).is_data();
-                stack.extend(args.iter().enumerate().filter(stays).map(|(_, x)| *x));
-            }
+            // Arguments are needed when the parameter is, or cannot go. A call needs its return.
+            Body::Jump { callee, args, .. } => match draft.cont_of(*callee) {
+                Some(to) if may_shrink(draft, to, mentions) => {
+                    let index = index_of(draft, to, &mentions[to.index()]);
+                    let stays = |(i, x): &(usize, &NodeId)| Some(*i) == index || !p.ty(**x).is_data();
+                    stack.extend(args.iter().enumerate().filter(stays).map(|(_, x)| *x));
+                }
+                _ => stack.extend([callee].into_iter().chain(args)),
+            },
             Body::Vectorize { lo, hi, .. } => stack.extend([*lo, *hi]),
             // The address of a load is needed when its value is.
             Body::Load { next, .. } => stack.push(*next),
