@@ -14,6 +14,9 @@ pub struct Limits {
     pub instances: usize,
     /// Triangles in the world, counted with their instances: a few nodes can repeat a large mesh without end.
     pub triangles: u64,
+    /// Light sources: punctual lights, and emissive triangles in the world. They are told apart by random numbers of 24 bits,
+    /// so a renderer has no use for more than the default.
+    pub lights: u64,
     /// Bytes of all vertex attributes and triangles together, decoded.
     pub geometry_bytes: u64,
     /// Elements of an accessor without a buffer view, which a few bytes of JSON can make as long as they like.
@@ -34,6 +37,7 @@ impl Default for Limits {
             node_depth: 1024,
             instances: 1 << 24,
             triangles: 1 << 26,
+            lights: (1 << 24) - 1,
             geometry_bytes: 4 << 30,
             zero_elements: 1 << 22,
             image_side: 16384,

@@ -33,7 +33,17 @@ impl<'a> Loader<'a> {
         if intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
             return Err(at.fault("color x intensity must be finite and not negative"));
         }
+        self.count_lights(reference, 1)?;
         self.scene.lights.push(Light { name: at.name(), kind, intensity, to_world });
+        Ok(())
+    }
+
+    /// Counts so many light sources more.
+    pub fn count_lights(&mut self, at: &Json<'a>, more: u64) -> Result<(), Error> {
+        self.lights_left = self.lights_left.checked_sub(more).ok_or_else(|| {
+            let limit = format!("{} light sources (lights)", self.limits.lights);
+            at.limit_fault(format!("the scene up to here, {more} lamps or emissive triangles more,"), limit)
+        })?;
         Ok(())
     }
 

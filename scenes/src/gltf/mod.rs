@@ -58,6 +58,7 @@ struct Loader<'a> {
     /// Of each of the scene's meshes, for the nodes that repeat it.
     bounds: Vec<(Vec3, Vec3)>,
     triangles_left: u64,
+    lights_left: u64,
     geometry_left: u64,
     images_left: u64,
 }
@@ -88,6 +89,7 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
         images: HashMap::new(),
         bounds: Vec::new(),
         triangles_left: limits.triangles,
+        lights_left: limits.lights,
         geometry_left: limits.geometry_bytes,
         images_left: limits.images_bytes,
     };

@@ -83,6 +83,9 @@ impl<'a> Loader<'a> {
             let limit = format!("{} in the world (triangles)", self.limits.triangles);
             node.limit_fault(format!("the scene up to here, {triangles} triangles more,"), limit)
         })?;
+        if self.scene.materials[self.scene.meshes[mesh].material].is_emissive() {
+            self.count_lights(node, triangles)?;
+        }
         self.scene.instances.push(Instance { mesh, to_world });
         Ok(())
     }

@@ -120,7 +120,10 @@ fn every_limit_is_kept() {
         bytes.into_inner()
     };
     let mut document = textured(json!({"uri": data_uri(&png)}));
-    document["nodes"] = json!([{"mesh": 0, "children": [1]}, {"mesh": 0}]);
+    let lamp = json!({"KHR_lights_punctual": {"light": 0}});
+    document["nodes"] = json!([{"mesh": 0, "children": [1]}, {"mesh": 0, "extensions": lamp}]);
+    document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    document["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
     document["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let folder = tempfile::tempdir().unwrap();
     let file = write(folder.path(), "s.gltf", document.to_string());
@@ -132,6 +135,7 @@ fn every_limit_is_kept() {
         ("node_depth", Limits { node_depth: 1, ..all() }),
         ("instances", Limits { instances: 1, ..all() }),
         ("triangles", Limits { triangles: 1, ..all() }),
+        ("lights", Limits { lights: 2, ..all() }),
         ("geometry_bytes", Limits { geometry_bytes: 47, ..all() }),
         ("zero_elements", Limits { zero_elements: 2, ..all() }),
         ("image_side", Limits { image_side: 7, ..all() }),
