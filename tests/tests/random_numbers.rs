@@ -36,6 +36,14 @@ fn streams_are_distinct() {
     assert!((found - blocks).abs() < 4.0 * blocks.sqrt(), "{found} repeated blocks, not {blocks}");
 }
 
+/// A stream of even step is at its start again after 2^31 numbers, or after 2^30, 2^29, … of them.
+#[test]
+fn streams_do_not_come_round() {
+    let words = |dim| Streams::default().words(Walk { dim, pixels: 1, ..Walk::default() }, numbers());
+    let (first, half) = (words(0), words(1 << 31));
+    assert_eq!(first.iter().zip(&half).filter(|(a, b)| a == b).count(), 0);
+}
+
 /// No two pixels see the same streams in another order.
 #[test]
 fn pixels_are_no_twins() {

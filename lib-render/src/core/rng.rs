@@ -2,11 +2,14 @@
 //!
 //! The numbers of one sample are its *stream*. A stream is an arithmetic progression through the 32-bit words, each word
 //! hashed: number d is hash(start + d · step), as in SplittableRandom (Steele, Lea & Flood 2014). Start and step are
-//! pixel and sample, encrypted together under the seed by a Feistel network (Luby & Rackoff 1988). Two things hold
-//! whatever the hash is, since both it and the network can be undone:
+//! pixel and sample, encrypted together under the seed by a Feistel network (Luby & Rackoff 1988), and the step is made
+//! odd. Three things hold whatever the hash is, since both it and the network can be undone:
 //!
-//! - no two (pixel, sample) have the same stream: streams that agree in two successive words have the same start and step;
-//! - over all (pixel, sample) these two words take each of their 2^64 values once.
+//! - a stream comes round after 2^32 numbers, no sooner. With a step of k · 2^m it would after 2^(32−m), and one sample
+//!   in 2^20 would see the same numbers at every 256th vertex: in a bright closed box some such path never ends;
+//! - streams that agree in two successive words have the same start and step, so no three (pixel, sample) have the same
+//!   stream, and two have with a chance of 2^-63;
+//! - over all (pixel, sample) each start comes with each odd step twice.
 //!
 //! A key of one word, `hash(hash(hash(seed) ^ pixel) ^ sample)`, has neither: two pixels whose inner hashes share the high
 //! bits see the very same streams in another order, and so the same noise. At 64 samples that befell 34 of 2^16 pixels, at
@@ -37,7 +40,7 @@ const GOLDEN: u32 = 0x9e37_79b9;
 pub struct Rng {
     /// Where the progression starts.
     pub start: U32,
-    /// How far each dimension steps.
+    /// How far each dimension steps; odd.
     pub step: U32,
     /// Next dimension.
     pub dim: U32,
@@ -51,7 +54,7 @@ impl Rng {
         // Each round can be undone. After three of them a change of either half has reached both, after four twice.
         let round = |(left, right): (U32, U32), n: u32| (right, left ^ hash(right ^ (seed + n.wrapping_mul(GOLDEN))));
         let (start, step) = (1..=4).fold((sample, pixel), round);
-        Rng { start, step, dim: 0.into() }
+        Rng { start, step: step | 1u32, dim: 0.into() }
     }
 
     /// The word at this position.

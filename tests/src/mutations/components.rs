@@ -162,6 +162,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         mistake: "sample 1 of a pixel is sample 0 of its neighbour (Rodent's FNV seed: p = 0 for neighbours)",
     },
     Mutation {
+        name: "streams-come-round",
+        file: "lib-render/src/core/rng.rs",
+        before: "step | 1u32",
+        after: "step | 0u32",
+        mistake: "a stream of even step repeats itself, and in a bright closed box some path never ends",
+    },
+    Mutation {
         name: "one-is-drawn",
         file: "lib-render/src/core/rng.rs",
         before: "(x >> 8).to_f32() * (1.0 / 16_777_216.0)",
