@@ -67,6 +67,8 @@ pub(crate) fn emit(
         constants: FxHashMap::default(),
         area: None,
         scratch: [None; 2],
+        copies: None,
+        group: None,
     };
     e.begin(&unit.schedules[index]);
     for &block in f.dom.preorder() {
@@ -117,6 +119,10 @@ struct Emitter<'a> {
     area: Option<StackSlot>,
     /// Room for the words of a vector that go to or come from memory one by one.
     scratch: [Option<StackSlot>; 2],
+    /// Room for the copies of runs.
+    copies: Option<StackSlot>,
+    /// The runs that are under way.
+    group: Option<run::Group>,
 }
 
 impl Emitter<'_> {

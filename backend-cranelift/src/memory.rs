@@ -60,6 +60,11 @@ impl Words {
         self.at(b, distance)
     }
 
+    /// Does a run of so many lanes fill whole parts, side by side?
+    pub fn holds_runs(&self, lanes: usize) -> bool {
+        self.stride == 4 && lanes.is_multiple_of(LANES)
+    }
+
     /// The word of this row, or of the last one.
     pub fn clamped(&self, b: &mut FunctionBuilder, row: Value) -> Place {
         let row = b.ins().umin(row, self.last);

@@ -21,23 +21,25 @@ impl Emitter<'_> {
             let x = self.load_clamped(column, scalar, index, flags);
             return self.splat(scalar, x, lanes);
         }
-        let words = self.buffers.words(column);
-        self.gather(words, false, scalar, index, lanes, flags)
+        let (words, rows) = (self.buffers.words(column), self.values(index));
+        self.gather(words, false, scalar, &rows, lanes, flags)
     }
 
-    pub(super) fn load(&mut self, mem: &Mem, index: NodeId, next: NodeId) -> Result<Vec<Value>, String> {
+    /// Loads, at the end of this block.
+    pub(super) fn load(&mut self, block: u32, mem: &Mem, index: NodeId, next: NodeId) -> Result<Vec<Value>, String> {
         let p = self.unit.program;
         let loaded = p.loaded(next).and_then(|ty| ty.lanes());
         let (scalar, lanes) = loaded.ok_or("a load gives no data")?;
+        if lanes > 1 && data(p.ty(index)).1 == 1 {
+            return self.load_run(block, mem, index, (scalar, lanes));
+        }
         let words = self.words(mem)?;
         let unchecked = matches!(mem, Mem::Unchecked(_));
         let flags = MemFlagsData::trusted();
         let flags = if unchecked { flags.with_readonly() } else { flags };
-        if lanes > 1 && data(p.ty(index)).1 > 1 {
-            return Ok(self.gather(words, unchecked, scalar, index, lanes, flags));
-        }
         if lanes > 1 {
-            return Ok(self.load_run(words, unchecked, scalar, index, lanes));
+            let rows = self.values(index);
+            return Ok(self.gather(words, unchecked, scalar, &rows, lanes, flags));
         }
         if let Mem::Stream(column) = mem {
             return Ok(vec![self.load_clamped(*column, scalar, index, flags)]);
@@ -58,18 +60,24 @@ impl Emitter<'_> {
         memory::load(&mut self.b, scalar, &place, flags)
     }
 
-    /// Stores, unless the index is out of range; of a vector the lanes under the mask.
-    pub(super) fn store(&mut self, mem: &Mem, index: NodeId, value: NodeId, mask: NodeId) -> Result<(), String> {
+    /// Stores, at the end of this block, unless the index is out of range; of a vector the lanes under the mask.
+    pub(super) fn store(
+        &mut self,
+        block: u32,
+        mem: &Mem,
+        index: NodeId,
+        value: NodeId,
+        mask: NodeId,
+    ) -> Result<(), String> {
         let p = self.unit.program;
         let (scalar, lanes) = p.ty(value).lanes().ok_or("it stores what is no data")?;
-        let words = self.words(mem)?;
-        if lanes > 1 && data(p.ty(index)).1 > 1 {
-            self.scatter(words, index, value, mask);
-            return Ok(());
+        if lanes > 1 && data(p.ty(index)).1 == 1 {
+            return self.store_run(block, mem, index, value, mask);
         }
+        let words = self.words(mem)?;
         if lanes > 1 {
-            let own = matches!(mem, Mem::Local(_));
-            self.store_run(words, own, index, value, mask);
+            let rows = self.values(index);
+            self.scatter(words, &rows, value, mask);
             return Ok(());
         }
         let (index, value) = (self.scalar(index), self.scalar(value));
@@ -84,7 +92,7 @@ impl Emitter<'_> {
         Ok(())
     }
 
-    fn words(&mut self, mem: &Mem) -> Result<Words, String> {
+    pub(super) fn words(&mut self, mem: &Mem) -> Result<Words, String> {
         Ok(match mem {
             Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.words(*column),
             Mem::Local(x) => self.local(*x)?.words(&mut self.b),

@@ -25,7 +25,7 @@ impl Emitter<'_> {
                 self.go_to(block, &args);
             }
             Exit::Call { callee, args, back } => self.call(callee, args, back),
-            Exit::Arms => self.arms(&p.cont(cont).body)?,
+            Exit::Arms => self.arms(block, &p.cont(cont).body)?,
         }
         Ok(())
     }
@@ -150,7 +150,7 @@ impl Emitter<'_> {
     }
 
     /// Leaves a block by a body that is no jump.
-    fn arms(&mut self, body: &Body) -> Result<(), String> {
+    fn arms(&mut self, block: u32, body: &Body) -> Result<(), String> {
         match body {
             Body::Branch { then, other, .. } if then == other => self.go_to(self.target(*then), &[]),
             Body::Branch { cond, then, other } => {
@@ -173,11 +173,11 @@ impl Emitter<'_> {
                 switch.emit(&mut self.b, index, default);
             }
             Body::Load { mem, index, next } => {
-                let values = self.load(mem, *index, *next)?;
+                let values = self.load(block, mem, *index, *next)?;
                 self.go_to(self.target(*next), &values);
             }
             Body::Store { mem, index, value, mask, next } => {
-                self.store(mem, *index, *value, *mask)?;
+                self.store(block, mem, *index, *value, *mask)?;
                 self.go_to(self.target(*next), &[]);
             }
             Body::Vectorize { lo, hi, body, args, next, .. } => {

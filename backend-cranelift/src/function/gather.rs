@@ -16,27 +16,26 @@ impl Emitter<'_> {
         words: Words,
         unchecked: bool,
         scalar: Scalar,
-        index: NodeId,
+        indices: &[Value],
         lanes: usize,
         flags: MemFlagsData,
     ) -> Vec<Value> {
-        let indices = self.values(index);
-        let one = |(at, indices): (usize, Value)| {
-            let distances = self.buffers.distances(&mut self.b, &words, indices, unchecked);
+        let one = |(at, indices): (usize, &Value)| {
+            let distances = self.buffers.distances(&mut self.b, &words, *indices, unchecked);
             let there = LANES.min(lanes - at * LANES);
             let places: Vec<Place> = distances[..there].iter().map(|d| words.at(&mut self.b, *d)).collect();
             let gathered = pack::loaded(&mut self.b, part(scalar), flags, &places);
             vector::of_words(&mut self.b, scalar, gathered)
         };
-        indices.into_iter().enumerate().map(one).collect()
+        indices.iter().enumerate().map(one).collect()
     }
 
     /// Stores each lane under the mask at the row of its index, in ascending order, unless that is out of range.
-    pub(super) fn scatter(&mut self, words: Words, index: NodeId, value: NodeId, mask: NodeId) {
+    pub(super) fn scatter(&mut self, words: Words, indices: &[Value], value: NodeId, mask: NodeId) {
         let (scalar, lanes) = data(self.unit.program.ty(value));
-        let (indices, values, masks) = (self.values(index), self.values(value), self.values(mask));
+        let (values, masks) = (self.values(value), self.values(mask));
         let values: Vec<Value> = values.iter().map(|x| vector::to_words(&mut self.b, scalar, *x)).collect();
-        let active = self.active(words, &indices, &masks, lanes);
+        let active = self.active(words, indices, &masks, lanes);
         let all = self.b.ins().icmp_imm_u(IntCC::Equal, active, (1i64 << lanes) - 1);
         let [looping] = self.cold_blocks();
         let (straight, done) = (self.b.create_block(), self.b.create_block());
@@ -53,7 +52,7 @@ impl Emitter<'_> {
         }
         self.b.ins().jump(done, &[]);
         self.b.switch_to_block(looping);
-        self.store_active(words, &indices, &values, active);
+        self.store_active(words, indices, &values, active);
         self.b.ins().jump(done, &[]);
         self.b.switch_to_block(done);
     }
@@ -70,7 +69,7 @@ impl Emitter<'_> {
     }
 
     /// Stores the words of these lanes one by one: a loop over the bits.
-    pub(super) fn store_active(&mut self, words: Words, indices: &[Value], values: &[Value], active: Value) {
+    fn store_active(&mut self, words: Words, indices: &[Value], values: &[Value], active: Value) {
         let [index_slot, value_slot] = [0, 1].map(|i| self.scratch(i));
         for (at, (index, value)) in indices.iter().zip(values).enumerate() {
             self.b.ins().store(MemFlagsData::trusted(), *index, index_slot, at as i32 * 16);
@@ -107,7 +106,7 @@ impl Emitter<'_> {
     }
 
     /// The address of room for the words of a vector.
-    pub(super) fn scratch(&mut self, which: usize) -> Value {
+    fn scratch(&mut self, which: usize) -> Value {
         let b = &mut self.b;
         let slot = *self.scratch[which]
             .get_or_insert_with(|| b.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, 64, 4)));

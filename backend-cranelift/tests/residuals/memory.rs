@@ -223,6 +223,58 @@ fun f(at: {index}, return: fn(f32x4))
     }
 }
 
+/// Runs of one buffer at one index share a test; the last store to a word stays, and what is computed between the stores is
+/// computed.
+#[test]
+fn runs_of_several_columns() {
+    let p = residual(
+        "stream s by columns
+  a: f32 bulk
+  b: bool bulk
+  c: f32 bulk
+stream t by columns
+  d: f32 bulk
+entry f = f
+fun f(i: u32, j: u32, mask: boolx8, return: fn(f32x8, boolx8, f32x8, f32x8))
+  load s.a i -> got_a
+  rest got_a(a: f32x8)
+  load s.b i -> got_b
+  rest got_b(b: boolx8)
+  load s.c i -> got_c
+  rest got_c(c: f32x8)
+  load t.d i -> got_d
+  rest got_d(d: f32x8)
+  store s.a j c when mask -> stored_c
+  rest stored_c()
+  sum = add a c
+  store s.c j sum when mask -> stored_sum
+  rest stored_sum()
+  less = lt a c
+  store s.b j less when mask -> stored_less
+  rest stored_less()
+  product = mul sum d
+  store s.a j product when mask -> stored_product
+  rest stored_product()
+  store t.d j a when b -> stored_a
+  rest stored_a()
+  store t.d j c when mask -> stored_last
+  rest stored_last()
+  jump return(a, b, c, d)
+",
+    );
+    for rows in [0, 1, 7, 8, 21] {
+        let mut words = (1u32..).map(|i| f32::from((i * 37 % 101) as u16).to_bits() * (i % 3).min(1));
+        let memory = [memory(rows, words.by_ref().take(rows as usize * 3)), memory(20, words.take(20))];
+        for (i, j) in [(0, 0), (1, 13), (13, 14), (14, 3), (20, 17), (u32::MAX - 2, 1), (0, u32::MAX - 4)] {
+            for mask in [0xff, 0, 0b1010_0110] {
+                let mask = (0..8).map(|l| Lit::Bool(mask >> l & 1 == 1));
+                let args: Vec<Lit> = [Lit::U32(i), Lit::U32(j)].into_iter().chain(mask).collect();
+                agree(&p, "f", &args, &memory);
+            }
+        }
+    }
+}
+
 /// Lanes that are not under the mask are not even written as they were: another thread may write there. Here it is memory
 /// that nobody may write, so that a mistake ends the process.
 #[cfg(target_os = "linux")]
