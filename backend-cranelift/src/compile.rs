@@ -16,6 +16,7 @@ use jerboa_ir::{Body, ContId, Program};
 
 use crate::abi::{POINTER, Shape, data, parts, shapes};
 use crate::function::{Callees, Unit, emit};
+use crate::lanes;
 use crate::memory::{self, Local, nth_word};
 use crate::pack;
 use crate::simd::Simd;
@@ -82,6 +83,14 @@ pub(crate) fn kernel(
     entry: ContId,
 ) -> Result<Unlinked, Error> {
     let start = Instant::now();
+    let in_lanes = match options.lanes.filter(|_| lanes::entry_vectorizes(program, entry)) {
+        Some(width) => Some(
+            lanes::of_entries(program, &[(name.into(), entry)], width)
+                .map_err(|fault| Error::Lanes { kernel: name.to_owned(), fault })?,
+        ),
+        None => None,
+    };
+    let (program, entry) = in_lanes.as_ref().map_or((program, entry), |p| (p, p.entries[0].1));
     let unit = Unit::new(program, name, entry, target.simd)?;
     let mut compiler = Compiler { target, options, kernel: name, reused: FunctionBuilderContext::new() };
     let mut functions = Vec::with_capacity(unit.cfg.functions.len() + 1);

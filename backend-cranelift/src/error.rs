@@ -16,6 +16,13 @@ pub enum Error {
         /// What, where and what to do.
         fault: NotFirstOrder,
     },
+    /// A `vectorize` of the kernel cannot run in lanes.
+    Lanes {
+        /// The kernel.
+        kernel: String,
+        /// What, where and what to do.
+        fault: crate::lanes::Fault,
+    },
     /// The kernel's frames would not fit on a thread's stack: its local arrays are too big, or its recursion is.
     Stack {
         /// The kernel.
@@ -45,6 +52,7 @@ impl fmt::Display for Error {
         match self {
             Error::Host(why) => write!(f, "this machine cannot run the renderer's code: {why}"),
             Error::NotFirstOrder { kernel, fault } => write!(f, "kernel `{kernel}`: {fault}"),
+            Error::Lanes { kernel, fault } => write!(f, "kernel `{kernel}`, in lanes: {fault}"),
             Error::Stack { kernel, function, bytes } => write!(
                 f,
                 "kernel `{kernel}` needs {bytes} bytes of stack, most of them in `{function}`; the limit is {}: make its \

@@ -11,6 +11,7 @@
 //! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `function/value.rs`, `ops.rs` |
 //! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `memory.rs`, `function/access.rs` |
 //! | their vectors | runs, gathers, scatters | `function/run.rs`, `function/gather.rs` |
+//! | `vectorize` | a loop over lanes, made by [`mod@lanes`] before all else, or one iteration after the other | `lanes/mod.rs` |
 //! | vector | a value of 128 bits for every four lanes; of `bool` a mask of 0 and −1 | `vector.rs`, `pack.rs`, `simd.rs` |
 //!
 //! **The code means what the interpreter means**, bit for bit, all NaN being one value. So minimum and maximum are a
@@ -79,6 +80,7 @@ mod code;
 mod compile;
 mod error;
 mod function;
+pub mod lanes;
 mod memory;
 mod ops;
 mod pack;

@@ -6,6 +6,7 @@ use cranelift_codegen::isa::{self, TargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
 
 use crate::Error;
+use crate::lanes::Width;
 use crate::simd::Simd;
 
 /// How much work Cranelift puts into its code.
@@ -25,14 +26,16 @@ pub struct Options {
     pub opt: Opt,
     /// Check the CLIF before code is made of it; about doubles the time of code generation.
     pub verify: bool,
+    /// Whether the iterations of a `vectorize` run in lanes, and how many at once; if not, one after the other.
+    pub lanes: Option<Width>,
     /// Keep the CLIF and the disassembly of each kernel for [`crate::Code::clif`] and [`crate::Code::asm`].
     pub dumps: bool,
 }
 
 impl Default for Options {
-    /// No optimisation, no dumps; verified in debug builds.
+    /// No optimisation, no dumps; lanes as the program says; verified in debug builds.
     fn default() -> Options {
-        Options { opt: Opt::None, verify: cfg!(debug_assertions), dumps: false }
+        Options { opt: Opt::None, verify: cfg!(debug_assertions), lanes: Some(Width::Hint), dumps: false }
     }
 }
 

@@ -16,6 +16,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use jerboa_backend_cranelift::lanes::{Width, lanes};
 use jerboa_ir::interp::{self, Limits, Memory};
 use jerboa_ir::{BufKind, Lit, Program, parse, print, verify, verify_residual};
 use jerboa_peval::{Arg, Facts, Generic, Options, specialize, tidy_with};
@@ -47,6 +48,8 @@ pub const COMMANDS: &[Command] = &[
     ("specialize", residual),
     // PASS: a residual after that one pass.
     ("tidy", tidy),
+    // WIDTH, or `hint`: a residual with a loop over lanes for each `vectorize`.
+    ("lanes", in_lanes),
 ];
 
 /// Run every `.ir` file below a folder, in the order of names. Returns the number of files, or all differences.
@@ -195,6 +198,20 @@ fn tidy(input: Input) -> Result<String, String> {
     let tidied = tidy_with(&input.program, pass).ok_or_else(|| format!("no pass `{pass}`"))?;
     sound(verify_residual(&tidied)).map_err(|faults| format!("{faults}{}", print(&tidied)))?;
     Ok(print(&tidied))
+}
+
+fn in_lanes(input: Input) -> Result<String, String> {
+    sound(verify_residual(&input.program))?;
+    let width = match input.args[..] {
+        ["hint"] => Width::Hint,
+        ["4"] => Width::Lanes(4),
+        ["8"] => Width::Lanes(8),
+        ["16"] => Width::Lanes(16),
+        _ => return Err("lanes hint|4|8|16".into()),
+    };
+    let vector = lanes(&input.program, width).map_err(|e| e.to_string())?;
+    sound(verify_residual(&vector)).map_err(|faults| format!("{faults}{}", print(&vector)))?;
+    Ok(print(&vector))
 }
 
 fn sound(found: Vec<jerboa_ir::Fault>) -> Result<(), String> {

@@ -27,6 +27,7 @@ pub mod mutations;
 pub mod programs;
 pub mod refold;
 pub mod sources;
+pub mod sweep;
 pub mod trial;
 pub mod values;
 

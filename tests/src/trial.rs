@@ -170,7 +170,7 @@ impl<'c> Trial<'c> {
     fn check_machine_code(&self, residual: &Program, tally: &mut Tally) -> Result<(), String> {
         let main = residual.entry("main").expect("the residual has the entry");
         for opt in [cranelift::Opt::None, cranelift::Opt::Speed] {
-            let options = cranelift::Options { opt, verify: true, dumps: false };
+            let options = cranelift::Options { opt, verify: true, ..Default::default() };
             let code =
                 cranelift::compile(&[residual], &options).map_err(|e| format!("back end: {e}\n{}", print(residual)))?;
             let kernel = code.kernel("main").expect("main is compiled");

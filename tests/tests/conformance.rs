@@ -164,7 +164,7 @@ impl Engine for Machine {
     fn results(&self, form: &Form, cases: &[Vec<Lit>]) -> Vec<Vec<Lit>> {
         let generic = Generic::new(program(form));
         let program = residual(&generic, &vec![Arg::Unknown; form.args.len()]);
-        let options = cranelift::Options { opt: self.0, verify: true, dumps: false };
+        let options = cranelift::Options { opt: self.0, verify: true, ..Default::default() };
         let code = cranelift::compile(&[&program], &options).expect("it compiles");
         let (kernel, main) =
             (code.kernel("main").expect("main is compiled"), program.entry("main").expect("there is a main"));

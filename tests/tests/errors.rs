@@ -87,6 +87,24 @@ fun hungry(n: u32, return: fn(u32))
       jump return(x)
 ";
 
+/// Two blocks of a loop that is entered at either.
+const TWO_ENTRIES: &str = "\
+entry main = main
+fun main(n: u32, return: fn())
+  vectorize 4 0u n each() -> done
+  rest done()
+  jump return()
+fun each(i: u32, return: fn())
+  odd = eq i 1u
+  branch odd a b
+  arm a()
+    branch odd b leave
+  arm b()
+    jump a()
+  arm leave()
+    jump return()
+";
+
 /// Calls itself for ever.
 const FOREVER: &str = "\
 entry main = f
@@ -160,6 +178,10 @@ fn the_code_generators_errors_name_the_kernel() {
             compile(&[&program(LARGE)]),
             "kernel `main` needs 4194304 bytes of stack, most of them in `hungry`; the limit is 1048576: make its local arrays smaller, or keep them out of recursive functions",
         ),
+        (
+            compile(&[&program(TWO_ENTRIES)]),
+            "kernel `main`, in lanes: function `each` has a loop with two entries, `a` and `b`; let one of them go through the other, or make two loops of it",
+        ),
         // These three are the machine's or Cranelift's to bring about.
         (
             Error::Host(words("the processor has no SSE4.1")),
@@ -181,9 +203,10 @@ fn the_code_generators_errors_name_the_kernel() {
             Error::SameName(_) => 3,
             Error::Codegen { .. } => 4,
             Error::Memory(_) => 5,
+            Error::Lanes { .. } => 6,
         });
     }
-    assert_eq!(seen.len(), 6, "{seen:?}");
+    assert_eq!(seen.len(), 7, "{seen:?}");
 }
 
 #[test]

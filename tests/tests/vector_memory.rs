@@ -172,7 +172,7 @@ fn check(form: Form, seed: u64) {
     let once = residual(&p);
     assert_eq!(print(&residual(&once)), print(&once), "specialising again changes nothing: {form:?}");
     let code = |opt| {
-        let options = cranelift::Options { opt, verify: true, dumps: false };
+        let options = cranelift::Options { opt, verify: true, ..Default::default() };
         cranelift::compile(&[&p], &options).unwrap_or_else(|e| panic!("{form:?}: {e}"))
     };
     let (fast, plain) = (code(cranelift::Opt::Speed), code(cranelift::Opt::None));

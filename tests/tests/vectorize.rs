@@ -1,6 +1,7 @@
 //! Loops of independent iterations: every engine and every order gives the same bits, whatever is known.
 
 use jerboa_backend_cranelift as cranelift;
+use jerboa_backend_cranelift::lanes::Width;
 use jerboa_ir::interp::{Interp, Limits, Memory};
 use jerboa_ir::lang::*;
 use jerboa_ir::{Lit, Program, print, verify, verify_residual};
@@ -92,8 +93,8 @@ fn interpret(p: &Program, args: &[Lit], memory: &[Memory], order: Option<u64>) -
     floats(&memory)
 }
 
-fn run(p: &Program, args: &[Lit], memory: &[Memory], opt: cranelift::Opt) -> Vec<Lit> {
-    let options = cranelift::Options { opt, verify: true, dumps: false };
+fn run(p: &Program, args: &[Lit], memory: &[Memory], opt: cranelift::Opt, lanes: Option<Width>) -> Vec<Lit> {
+    let options = cranelift::Options { opt, verify: true, lanes, ..Default::default() };
     let code = cranelift::compile(&[p], &options).unwrap_or_else(|e| panic!("{e}"));
     let mut memory = memory.to_vec();
     let kernel = code.kernel("main").expect("main is compiled");
@@ -119,11 +120,13 @@ fn all_engines_and_orders_agree() {
             assert_eq!(interpret(&once, &args, &memory, None), expected);
             assert_eq!(interpret(&once, &args, &memory, Some(5)), expected);
             for opt in [cranelift::Opt::None, cranelift::Opt::Speed] {
-                assert_eq!(run(&once, &args, &memory, opt), expected);
+                for lanes in [None, Some(Width::Hint), Some(Width::Lanes(8))] {
+                    assert_eq!(run(&once, &args, &memory, opt, lanes), expected);
+                }
             }
             let all = residual(&p, &args.map(Arg::Known)).program;
             assert_eq!(interpret(&all, &[], &memory, None), expected);
-            assert_eq!(run(&all, &[], &memory, cranelift::Opt::Speed), expected);
+            assert_eq!(run(&all, &[], &memory, cranelift::Opt::Speed, Some(Width::Hint)), expected);
         }
     }
 }

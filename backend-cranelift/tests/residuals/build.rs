@@ -116,7 +116,7 @@ impl Build {
 
 /// Machine code, with the verifier on.
 pub fn code(p: &Program, opt: Opt) -> Code {
-    compile(&[p], &Options { opt, verify: true, dumps: false }).unwrap_or_else(|e| panic!("{e}"))
+    compile(&[p], &Options { opt, verify: true, ..Default::default() }).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Runs a kernel over memory given as (rows, words).

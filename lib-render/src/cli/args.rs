@@ -109,6 +109,8 @@ pub enum StageArg {
     Generic,
     /// What is left of it for this scene
     Residual,
+    /// The same, with loops over lanes for what is vectorised
+    Lanes,
     /// What Cranelift compiles
     Clif,
     /// The machine code

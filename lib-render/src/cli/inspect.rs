@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use jerboa_backend_cranelift::lanes::{Width, lanes, vectorizes};
+use jerboa_ir::{Program, print};
 use serde_json::json;
 
 use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg, TimeArgs};
@@ -18,12 +20,13 @@ pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
     let kernels = kernels(&tables, args.kernel.as_deref())?;
     // The generic program is one for all kernels and scenes.
     if args.stage == StageArg::Generic {
-        return Ok(jerboa_ir::print::print(generic().program()));
+        return Ok(print(generic().program()));
     }
     let mut text = String::new();
-    if args.stage == StageArg::Residual {
+    if let StageArg::Residual | StageArg::Lanes = args.stage {
         for kernel in &kernels {
-            text += &jerboa_ir::print::print(&residual(&tables, kernel, Keep::default())?.program);
+            let residual = residual(&tables, kernel, Keep::default())?.program;
+            text += &if args.stage == StageArg::Lanes { in_lanes(&residual)? } else { print(&residual) };
         }
         return Ok(text);
     }
@@ -32,6 +35,15 @@ pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
         text += dumped.expect("dumps were asked for");
     }
     Ok(text)
+}
+
+/// The text of a kernel with its loops over lanes, or that it has none.
+fn in_lanes(residual: &Program) -> Result<String, Error> {
+    let names = residual.entries.iter().map(|(name, _)| &**name).collect::<Vec<_>>().join(", ");
+    if !vectorizes(residual) {
+        return Ok(format!("; kernel {names} has no vectorize: nothing of it runs in lanes\n"));
+    }
+    lanes(residual, Width::Hint).map(|p| print(&p)).map_err(|e| Error::new(format!("kernel {names}: {e}")))
 }
 
 /// The evaluator's log of decisions.
