@@ -156,8 +156,9 @@ impl<'p> Interp<'p> {
     /// `memory` has an element per buffer of the program.
     ///
     /// # Errors
-    /// [`Stop::Fuel`] and [`Stop::Limit`] at the limits; [`Stop::Fault`] when an unchecked load is out of range, or the
-    /// arguments or the memory do not fit the declarations.
+    /// [`Stop::Fuel`] and [`Stop::Limit`] at the limits; [`Stop::Fault`] when an unchecked load is out of range, when an
+    /// iteration of a `vectorize` loads beyond the rows of a column that iterations store to, or when the arguments or the
+    /// memory do not fit the declarations.
     ///
     /// # Panics
     /// On a program that the verifier refuses.

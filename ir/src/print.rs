@@ -14,6 +14,7 @@
 //!     jump return(1.0)
 //! ```
 //!
+//! A loop of independent iterations names its width, its bounds and its body: `vectorize 8 lo hi each(a) -> next`.
 //! A store of a vector has its mask behind `when`: `store s.x i v when m -> next`.
 //! A filter `true` is `@`, `false` is nothing. Names are the authors' hints, made unique within a function; lines without
 //! a hint are numbered in print order, per function. Nesting shows scope and means nothing by itself: the parser reads

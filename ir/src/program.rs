@@ -315,7 +315,7 @@ pub enum Body {
     },
     /// Call `body(args…, i, k)` for each `i` from `lo` up to, not including, `hi`, where `k` is the end of an iteration; then
     /// go on in `next`. Iterations are independent: any order, and any number of them at once, gives the same bits
-    /// ([`crate::verify_residual`] has the rules).
+    /// ([`crate::verify_residual`] has the rules; from a column that iterations store to, they load within its rows).
     Vectorize {
         /// How many iterations to run at once, a hint: 4, 8 or 16.
         width: u8,

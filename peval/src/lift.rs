@@ -156,7 +156,11 @@ impl Machine<'_> {
         let loc = self.p.cont(c).loc;
         let param = |x: &NodeId| {
             let program = self.world.program();
-            Param { ty: program.ty(*x), name: program.names.get(x).cloned(), keep: false }
+            let name = match *program.node(*x) {
+                Node::Param { cont, index } => program.cont(cont).params[index as usize].name.clone(),
+                _ => program.names.get(x).cloned(),
+            };
+            Param { ty: program.ty(*x), name, keep: false }
         };
         let mut params: Vec<Param> = lift.unknowns.iter().map(param).collect();
         params.extend(self.params_for(c, args, reason));

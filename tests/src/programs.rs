@@ -57,6 +57,8 @@ struct Gen<'c> {
     pinned: Vec<(NodeId, NodeId)>,
     /// Statements made: the line of the pretended source.
     line: u32,
+    /// Rows of the buffers.
+    rows: Vec<u32>,
     /// The iteration of a `vectorize` that is being written.
     iteration: Option<vectorize::Iteration>,
     /// Functions that touch no stream.
@@ -77,7 +79,7 @@ const STATEMENTS: u32 = 150;
 pub fn case(c: &mut Choices) -> Case {
     let mut w = World::new();
     declare(&mut w);
-    let memory = w.program().buffers.iter().map(|b| content(b, c)).collect();
+    let memory: Vec<Memory> = w.program().buffers.iter().map(|b| content(b, c)).collect();
     let mut g = Gen {
         w,
         budget: c.below(STATEMENTS),
@@ -88,6 +90,7 @@ pub fn case(c: &mut Choices) -> Case {
         depth: 0,
         pinned: vec![],
         line: 1,
+        rows: memory.iter().map(|m| m.rows).collect(),
         iteration: None,
         calm: vec![],
         touched: false,

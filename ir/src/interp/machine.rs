@@ -1,6 +1,7 @@
 //! One run: jump after jump.
 
 use super::heap::{At, Heap, Value};
+use super::vectorize::Touched;
 use super::*;
 use crate::ty::{Scalar, Ty, TyKind};
 
@@ -25,6 +26,8 @@ pub(super) struct Machine<'a, O> {
     pub(super) display: Vec<At>,
     /// Arguments of the jump under way.
     pub(super) args: Vec<Value>,
+    /// The loops of independent iterations around the current point.
+    pub(super) loops: Vec<Touched>,
     /// Nodes being evaluated, each waiting for the next one.
     pub(super) pending: Vec<NodeId>,
 }
@@ -34,7 +37,8 @@ impl<'a, O: Observer> Machine<'a, O> {
         let constants = code.places.iter().filter(|p| p.level == 0).count();
         let mut heap = Heap::new();
         let display = vec![heap.filled(FIRST_SLOT + constants, Value::Absent)];
-        Machine { code, memory, limits, observer, heap, display, args: Vec::new(), pending: Vec::new() }
+        let (args, loops, pending) = (Vec::new(), Vec::new(), Vec::new());
+        Machine { code, memory, limits, observer, heap, display, args, loops, pending }
     }
 
     pub fn run(mut self, entry: ContId, args: &[Lit]) -> Result<Vec<Lit>, Stop> {
@@ -50,7 +54,7 @@ impl<'a, O: Observer> Machine<'a, O> {
             self.enter(cont, around);
             let mut to = self.jump(cont)?;
             while let Value::Closure { cont: ITERATE, frame } = to {
-                to = self.iterate(frame);
+                to = self.iterate(frame)?;
             }
             match to {
                 Value::Closure { cont: RETURN, .. } => break,

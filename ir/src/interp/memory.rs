@@ -70,7 +70,14 @@ impl<O: Observer> Machine<'_, O> {
                 }
             }
             Mem::Stream(column) if self.memory[column.buf.index()].rows == 0 => self.decode(column, 0),
-            Mem::Stream(column) => self.word_at(column, row),
+            Mem::Stream(column) => {
+                if row >= self.memory[column.buf.index()].rows
+                    && let Some(touched) = self.loops.last_mut()
+                {
+                    touched.load_beyond(column, loc);
+                }
+                self.word_at(column, row)
+            }
             Mem::Unchecked(column) => {
                 let rows = self.memory[column.buf.index()].rows;
                 if row >= rows {
@@ -92,6 +99,11 @@ impl<O: Observer> Machine<'_, O> {
             }
             Mem::Stream(column) | Mem::Unchecked(column) => {
                 let memory = &mut self.memory[column.buf.index()];
+                if memory.rows.checked_sub(1) == Some(row)
+                    && let Some(touched) = self.loops.last_mut()
+                {
+                    touched.store_last(column);
+                }
                 if row < memory.rows {
                     let buffer = self.code.program.buffer(column.buf);
                     let word = buffer.word(memory.rows as usize, row as usize, column.col as usize);

@@ -13,7 +13,7 @@ impl Block {
     /// in the residual.
     ///
     /// An iteration stores to a column of a stream at `i`, or at `i` plus something that is the same in all iterations, and
-    /// loads from such a column only there. It has its own local arrays, and ends by coming to its end. There is no
+    /// loads from such a column only there, within the rows of the stream. It has its own local arrays, and ends by coming to its end. There is no
     /// `vectorize` within.
     ///
     /// ```
@@ -41,8 +41,8 @@ impl Block {
     /// ```
     ///
     /// # Panics
-    /// When the width is another number. What the rules above forbid is a fault that the verifier finds: of exits and
-    /// arrays in the program as it is written, of streams in the residual.
+    /// When the width is another number. What the rules above forbid is a fault that the verifier finds, of exits and
+    /// arrays in the program as it is written, of streams in the residual; of rows the interpreter finds it.
     #[track_caller]
     pub fn vectorize(&mut self, width: u8, lo: impl Into<U32>, hi: impl Into<U32>, body: impl FnOnce(&mut Block, U32)) {
         let (lo, hi, loc) = (lo.into().node(), hi.into().node(), here());

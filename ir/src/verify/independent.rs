@@ -6,6 +6,9 @@
 //! - loads from a column that it stores to only there, and from others anywhere;
 //! - stores scalars, not vectors, and holds no other `vectorize`.
 //!
+//! One thing cannot be seen here: a load beyond the last row gives the last row, which belongs to another iteration. From
+//! columns that it stores to, an iteration loads within the rows of the stream; the interpreter finds those that do not.
+//!
 //! What an index is, is found by following values: a parameter that every jump gives the same value is that value
 //! (optimistic value numbering: Alpern, Wegman, Zadeck, POPL 1988). What comes from a load or a call is unknown.
 

@@ -139,6 +139,11 @@ impl Gen<'_> {
     pub fn load(&mut self) {
         let Some((mem, scalar)) = self.memory(false) else { return };
         let index = self.index(mem);
+        if let Mem::Stream(column) = mem
+            && self.iteration.as_ref().is_some_and(|iteration| iteration.place(column).is_some())
+        {
+            return self.load_own(column, scalar, index);
+        }
         let (rest, value) = self.cont("loaded", Role::Rest, &[Ty::scalar(scalar)]);
         let next = self.w.cont_value(rest);
         self.leave(Body::Load { mem, index, next });

@@ -1,7 +1,7 @@
 //! Loops of independent iterations.
 //!
-//! An iteration has columns of its own, which it loads and stores at one place: its index, or that and something from
-//! outside. From other columns it loads anywhere. Of the functions around it, it calls the *calm* ones, which touch no
+//! An iteration has columns of its own, which it stores at one place, its index, or that and something from outside, and
+//! loads there if the stream has such a row. From other columns it loads anywhere. Of the functions around it, it calls the *calm* ones, which touch no
 //! stream; those that it makes itself keep its rules.
 
 use super::exprs::has_code;
@@ -63,6 +63,23 @@ impl Gen<'_> {
         let next = self.w.cont_value(rest);
         self.leave(Body::Vectorize { width, lo, hi, body, args: vec![], next });
         self.go_on(rest, &[]);
+    }
+
+    /// Load from a column of the iteration's own, where it has such a row: beyond, there is a row of another iteration.
+    pub fn load_own(&mut self, column: Column, scalar: Scalar, place: NodeId) {
+        let (loc, rows, default) = (self.loc(), self.rows[column.buf.index()], self.value(Ty::scalar(scalar)));
+        let rows = self.u32(rows);
+        let cond = self.w.prim(Op::Lt, &[place, rows], loc);
+        let (join, value) = self.cont("join", Role::Join, &[Ty::scalar(scalar)]);
+        let filter = self.w.known(cond, loc);
+        self.w.cont_mut(join).filter = filter;
+        let to = self.w.cont_value(join);
+        let ((there, _), (beyond, _)) = (self.cont("there", Role::Arm, &[]), self.cont("beyond", Role::Arm, &[]));
+        let (then, other) = (self.w.cont_value(there), self.w.cont_value(beyond));
+        self.leave(Body::Branch { cond, then, other });
+        self.aside(there, |g| g.leave(Body::Load { mem: Mem::Stream(column), index: place, next: to }));
+        self.aside(beyond, |g| g.jump(to, vec![default]));
+        self.go_on(join, &value);
     }
 
     /// A number of 0 to 39, known or not.
