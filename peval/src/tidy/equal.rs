@@ -16,7 +16,7 @@ use super::draft::{Draft, Subst};
 
 /// How far along the edges hashes look, and with how many of equal hash a continuation is compared: so that the pass
 /// stays linear where a program is one long chain of nearly equal pieces.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 64;
 const CANDIDATES: usize = 4;
 /// Nodes that all comparisons may look at together, for each node of the program.
 const STEPS: usize = 4;
@@ -75,7 +75,14 @@ fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
         draft.body(*c).operands(&mut |x| all.push(nodes[x.index()]));
         hashes[c.index()] = hash_of(all);
     }
+    // Once a round tells no more of them apart, none will (Moore, *Gedanken-experiments on sequential machines*, 1956).
+    let mut told_apart = 0;
     for _ in 0..ROUNDS {
+        let distinct = order.iter().map(|c| hashes[c.index()]).collect::<FxHashSet<u64>>().len();
+        if distinct == told_apart {
+            break;
+        }
+        told_apart = distinct;
         let mut next = hashes.clone();
         for c in order {
             let mut all = vec![hashes[c.index()]];
