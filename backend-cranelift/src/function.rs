@@ -5,10 +5,13 @@
 //! is appended to it: a chain of loads is one block.
 
 mod access;
+mod deferred;
 mod exit;
 mod gather;
 mod run;
 mod value;
+
+use std::collections::BTreeMap;
 
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, StackSlot, StackSlotData, StackSlotKind, Type, Value, types};
@@ -20,7 +23,7 @@ use jerboa_ir::{Lit, NodeId, Program};
 use rustc_hash::FxHashMap;
 
 use crate::abi::{LANES, Shape, parts};
-use crate::memory::{self, Buffers, Local};
+use crate::memory::{Buffers, Local, Used};
 use crate::pack;
 use crate::simd::Simd;
 
@@ -67,12 +70,13 @@ pub(crate) fn emit(
         constants: FxHashMap::default(),
         area: None,
         scratch: [None; 2],
-        copies: None,
         group: None,
+        deferred: BTreeMap::new(),
     };
     e.begin(&unit.schedules[index]);
     for &block in f.dom.preorder() {
         if block != 0 && !e.is_appended(block) {
+            e.deferred.clear();
             e.switch_to(e.blocks[block as usize]);
         }
         for node in &unit.schedules[index].blocks[block as usize] {
@@ -119,10 +123,10 @@ struct Emitter<'a> {
     area: Option<StackSlot>,
     /// Room for the words of a vector that go to or come from memory one by one.
     scratch: [Option<StackSlot>; 2],
-    /// Room for the copies of runs.
-    copies: Option<StackSlot>,
     /// The runs that are under way.
     group: Option<run::Group>,
+    /// Loads of runs that nobody has used yet, by the block whose parameter they are.
+    deferred: BTreeMap<u32, deferred::Deferred>,
 }
 
 impl Emitter<'_> {
@@ -163,7 +167,7 @@ impl Emitter<'_> {
             self.leave_if(too_deep);
         }
         if let Some(bindings) = self.entry.bindings {
-            let used = memory::used_columns(p, self.f, schedule);
+            let used = Used::by(p, self.f, schedule);
             self.buffers = Buffers::new(&mut self.b, p, &used, bindings);
         }
     }

@@ -13,7 +13,7 @@ use jerboa_ir::schedule::Schedule;
 use jerboa_ir::{Body, BufId, BufKind, Column, Layout, Mem, Node, Program, Scalar};
 use rustc_hash::FxHashMap;
 
-use crate::abi::{LANES, POINTER, clif};
+use crate::abi::{LANES, POINTER, clif, data};
 use crate::pack;
 
 /// Bytes of a [`crate::Binding`], and where its number of rows is.
@@ -36,8 +36,6 @@ pub(crate) struct Words {
     pub stride: u32,
     /// The number of rows.
     pub rows: Value,
-    /// The number of rows of a local array.
-    pub known_rows: Option<u32>,
     /// The last row, of a stream without rows its row of zeros.
     pub last: Value,
 }
@@ -58,11 +56,6 @@ impl Words {
     pub fn row(&self, b: &mut FunctionBuilder, row: Value) -> Place {
         let distance = Distance::of(b, row, self.stride);
         self.at(b, distance)
-    }
-
-    /// Does a run of so many lanes fill whole parts, side by side?
-    pub fn holds_runs(&self, lanes: usize) -> bool {
-        self.stride == 4 && lanes.is_multiple_of(LANES)
     }
 
     /// The word of this row, or of the last one.
@@ -102,6 +95,8 @@ impl Distance {
 /// The buffers that a function touches.
 #[derive(Default)]
 pub(crate) struct Buffers {
+    starts: FxHashMap<BufId, Start>,
+    /// Columns whose address is made where the function begins.
     columns: FxHashMap<Column, Words>,
     /// Distance to a clamped row, which all columns of a buffer share. Made in the block at hand.
     distances: FxHashMap<(BufId, Value), Distance>,
@@ -111,51 +106,50 @@ pub(crate) struct Buffers {
     lasts: FxHashMap<Value, Value>,
 }
 
+/// A buffer's first word and size.
+#[derive(Clone, Copy)]
+struct Start {
+    /// Of the first column.
+    words: Words,
+    /// Bytes from a column to the next.
+    step: Value,
+}
+
 impl Buffers {
-    /// Loads the addresses of all columns that the function touches.
-    pub fn new(b: &mut FunctionBuilder, p: &Program, used: &BTreeSet<Column>, bindings: Value) -> Buffers {
+    /// Loads the addresses of what the function touches.
+    pub fn new(b: &mut FunctionBuilder, p: &Program, used: &Used, bindings: Value) -> Buffers {
         let mut buffers = Buffers::default();
-        let constant = MemFlagsData::trusted().with_readonly();
-        let mut shared = FxHashMap::default();
-        for column in used {
-            let buffer = p.buffer(column.buf);
-            let at = column.buf.0 as i32 * BINDING_BYTES;
-            let (start, rows, last) = *shared.entry(column.buf).or_insert_with(|| {
-                let start = b.ins().load(POINTER, constant, bindings, at);
-                let rows = b.ins().load(types::I32, constant, bindings, at + ROWS_AT);
-                let one = b.ins().iconst(types::I32, 1);
-                if buffer.kind != BufKind::Stream {
-                    return (start, rows, b.ins().isub(rows, one));
-                }
-                let zeros = zeros(b, p);
-                let some = b.ins().umax(rows, one);
-                (b.ins().select(rows, start, zeros), rows, b.ins().isub(some, one))
-            });
-            let words = Words { base: start, offset: 0, stride: 4, rows, known_rows: None, last };
-            let words = match buffer.layout {
-                Layout::Rows => {
-                    Words { offset: column.col as i32 * 4, stride: buffer.columns.len() as u32 * 4, ..words }
-                }
-                Layout::Columns if column.col == 0 => words,
-                Layout::Columns => {
-                    let count = b.ins().uextend(types::I64, rows);
-                    let before = b.ins().imul_imm_u(count, i64::from(column.col) * 4);
-                    Words { base: b.ins().iadd(start, before), ..words }
-                }
-            };
+        for buf in &used.buffers {
+            buffers.starts.insert(*buf, Start::new(b, p, *buf, bindings));
+        }
+        for column in &used.columns {
+            let words = buffers.words(b, *column);
             buffers.columns.insert(*column, words);
         }
         buffers
     }
 
     /// The words of a column.
-    pub fn words(&self, column: Column) -> Words {
-        self.columns[&column]
+    pub fn words(&self, b: &mut FunctionBuilder, column: Column) -> Words {
+        if let Some(words) = self.columns.get(&column) {
+            return *words;
+        }
+        let Start { words, step } = self.starts[&column.buf];
+        if words.stride > 4 || column.col == 0 {
+            return Words { offset: column.col as i32 * 4, ..words };
+        }
+        let before = b.ins().imul_imm_u(step, i64::from(column.col));
+        Words { base: b.ins().iadd(words.base, before), ..words }
+    }
+
+    /// Bytes from a column of a buffer by columns to the next.
+    pub fn step(&self, buf: BufId) -> Value {
+        self.starts[&buf].step
     }
 
     /// The word of this row, or of the last one.
     pub fn clamped(&mut self, b: &mut FunctionBuilder, column: Column, row: Value) -> Place {
-        let words = self.columns[&column];
+        let words = self.words(b, column);
         let distance = *self.distances.entry((column.buf, row)).or_insert_with(|| {
             let row = b.ins().umin(row, words.last);
             Distance::of(b, row, words.stride)
@@ -192,22 +186,66 @@ impl Buffers {
     }
 }
 
-/// The columns that a function reads, loads or stores.
-pub(crate) fn used_columns(p: &Program, f: &Function, schedule: &Schedule) -> BTreeSet<Column> {
-    let mut used = BTreeSet::new();
-    for node in schedule.blocks.iter().flatten() {
-        if let Node::Read { column, .. } = p.node(*node) {
-            used.insert(*column);
+impl Start {
+    fn new(b: &mut FunctionBuilder, p: &Program, buf: BufId, bindings: Value) -> Start {
+        let constant = MemFlagsData::trusted().with_readonly();
+        let buffer = p.buffer(buf);
+        let at = buf.0 as i32 * BINDING_BYTES;
+        let mut base = b.ins().load(POINTER, constant, bindings, at);
+        let rows = b.ins().load(types::I32, constant, bindings, at + ROWS_AT);
+        let one = b.ins().iconst(types::I32, 1);
+        let mut some = rows;
+        if buffer.kind == BufKind::Stream {
+            let zeros = zeros(b, p);
+            some = b.ins().umax(rows, one);
+            base = b.ins().select(rows, base, zeros);
         }
+        let last = b.ins().isub(some, one);
+        let stride = match buffer.layout {
+            Layout::Rows => buffer.columns.len() as u32 * 4,
+            Layout::Columns => 4,
+        };
+        let step = b.ins().uextend(types::I64, rows);
+        let step = b.ins().ishl_imm_u(step, 2);
+        Start { words: Words { base, offset: 0, stride, rows, last }, step }
     }
-    for block in &f.blocks {
-        if let Body::Load { mem, .. } | Body::Store { mem, .. } = &p.cont(block.cont).body
-            && let Mem::Stream(column) | Mem::Unchecked(column) = mem
-        {
-            used.insert(*column);
+}
+
+/// What a function reads, loads or stores.
+#[derive(Default)]
+pub(crate) struct Used {
+    buffers: BTreeSet<BufId>,
+    /// Those that are not only touched by runs, which find their columns themselves.
+    columns: BTreeSet<Column>,
+}
+
+impl Used {
+    /// By this function.
+    pub fn by(p: &Program, f: &Function, schedule: &Schedule) -> Used {
+        let mut used = Used::default();
+        let mut note = |column: Column, is_run: bool| {
+            used.buffers.insert(column.buf);
+            if !is_run {
+                used.columns.insert(column);
+            }
+        };
+        for node in schedule.blocks.iter().flatten() {
+            if let Node::Read { column, .. } = p.node(*node) {
+                note(*column, false);
+            }
         }
+        for block in &f.blocks {
+            let (mem, index, value) = match &p.cont(block.cont).body {
+                Body::Load { mem, index, next } => (mem, *index, p.loaded(*next)),
+                Body::Store { mem, index, value, .. } => (mem, *index, Some(p.ty(*value))),
+                _ => continue,
+            };
+            if let Mem::Stream(column) | Mem::Unchecked(column) = mem {
+                note(*column, data(p.ty(index)).1 == 1 && value.is_some_and(|ty| data(ty).1 > 1));
+            }
+        }
+        used
     }
-    used
 }
 
 /// A local array in the frame.
@@ -234,7 +272,12 @@ impl Local {
         let base = b.ins().stack_addr(POINTER, self.slot, 0);
         let rows = b.ins().iconst(types::I32, i64::from(self.len));
         let last = b.ins().iconst(types::I32, i64::from(self.len - 1));
-        Words { base, offset: 0, stride: 4, rows, known_rows: Some(self.len), last }
+        Words { base, offset: 0, stride: 4, rows, last }
+    }
+
+    /// The number of elements.
+    pub fn len(self) -> u32 {
+        self.len
     }
 
     /// Fills it with zeros: a few stores, or a loop.

@@ -21,7 +21,7 @@ impl Emitter<'_> {
             let x = self.load_clamped(column, scalar, index, flags);
             return self.splat(scalar, x, lanes);
         }
-        let (words, rows) = (self.buffers.words(column), self.values(index));
+        let (words, rows) = (self.buffers.words(&mut self.b, column), self.values(index));
         self.gather(words, false, scalar, &rows, lanes, flags)
     }
 
@@ -52,7 +52,7 @@ impl Emitter<'_> {
     /// Loads the word of a row, or of the last one.
     fn load_clamped(&mut self, column: Column, scalar: Scalar, index: NodeId, flags: MemFlagsData) -> Value {
         let place = if self.unit.program.as_lit(index) == Some(Lit::U32(0)) {
-            self.buffers.words(column).first()
+            self.buffers.words(&mut self.b, column).first()
         } else {
             let index = self.scalar(index);
             self.buffers.clamped(&mut self.b, column, index)
@@ -94,13 +94,13 @@ impl Emitter<'_> {
 
     pub(super) fn words(&mut self, mem: &Mem) -> Result<Words, String> {
         Ok(match mem {
-            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.words(*column),
+            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.words(&mut self.b, *column),
             Mem::Local(x) => self.local(*x)?.words(&mut self.b),
         })
     }
 
     /// The array that a parameter stands for.
-    fn local(&self, x: NodeId) -> Result<Local, String> {
+    pub(super) fn local(&self, x: NodeId) -> Result<Local, String> {
         let made = match self.unit.program.node(x) {
             Node::Param { cont, .. } => self.locals.get(&self.f.number[cont]),
             _ => None,

@@ -15,7 +15,9 @@ impl Emitter<'_> {
     pub(super) fn body(&mut self, block: u32) -> Result<(), String> {
         let p = self.unit.program;
         let cont = self.f.blocks[block as usize].cont;
-        match Exit::of(p, cont).map_err(|e| e.why)? {
+        let exit = Exit::of(p, cont).map_err(|e| e.why)?;
+        self.settle(exit, &p.cont(cont).body);
+        match exit {
             Exit::Return(values) => {
                 let values = self.all_values(values);
                 self.give_back(&values);
@@ -172,6 +174,7 @@ impl Emitter<'_> {
                 let default = self.block_of(*default);
                 switch.emit(&mut self.b, index, default);
             }
+            Body::Load { mem, index, next } if self.defer(block, mem, *index, *next)? => {}
             Body::Load { mem, index, next } => {
                 let values = self.load(block, mem, *index, *next)?;
                 self.go_to(self.target(*next), &values);

@@ -2,34 +2,46 @@
 //!
 //! Consecutive runs of one buffer at the same index are one *group* with one test. If it fails, the group goes through
 //! memory in the frame: loads from a copy that was made lane by lane before, stores to a copy that is taken from lane by
-//! lane after. So a group leaves the straight line of the code once, and each access stays where the program has it.
+//! lane after. So a group leaves the straight line of the code once, and all it needs on the way is the address of the
+//! first run and the distance from a column to the next.
 
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{Block, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Value, types};
-use jerboa_ir::{Body, Lit, Mem, NodeId, Op, Scalar};
+use jerboa_ir::{Body, Layout, Lit, Mem, NodeId, Op, Scalar};
 
 use super::Emitter;
 use crate::abi::{LANES, POINTER, data, part};
 use crate::memory::Words;
 use crate::{pack, vector};
 
-/// At most so many runs are one group: their copies take 2 KiB of the frame.
-const GROUP: usize = 32;
+/// The columns of a group are at most so far apart: their copies take 2 KiB of the frame.
+const GROUP: u32 = 32;
 
-/// Bytes of a run's copy.
-const COPY: i32 = 64;
+/// Bytes from the copy of a run to that of the next column.
+const COPY: i64 = 64;
 
-/// The rest of a group: where the runs are that are still to come.
+/// Where the runs of a group are.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    /// Of the first column's.
+    address: Value,
+    /// Bytes from a column to the next.
+    step: Value,
+    first: u32,
+}
+
+/// A group whose runs are not all made yet.
 pub(super) struct Group {
-    /// The last one first.
-    addresses: Vec<Value>,
+    place: Place,
+    /// How many are to come.
+    left: usize,
     /// Of stores: what is to do after the last one.
     copy: Option<Copy>,
 }
 
 /// Lanes that are stored from the copies.
 struct Copy {
-    words: Vec<Words>,
+    runs: Vec<Mem>,
     row: Value,
     /// As bits; none where the stores went to their place.
     active: Value,
@@ -40,37 +52,77 @@ fn unaligned() -> MemFlagsData {
     MemFlagsData::new().with_notrap()
 }
 
+/// The number of a column, or of a local array, which is a group alone.
+fn number(mem: &Mem) -> u32 {
+    match mem {
+        Mem::Stream(column) | Mem::Unchecked(column) => column.col,
+        Mem::Local(_) => 0,
+    }
+}
+
 impl Emitter<'_> {
+    /// Does a run of so many lanes fill whole parts, side by side?
+    pub(super) fn is_whole(&self, mem: &Mem, lanes: usize) -> bool {
+        let side_by_side = match mem {
+            Mem::Stream(column) | Mem::Unchecked(column) => {
+                let buffer = self.unit.program.buffer(column.buf);
+                buffer.layout == Layout::Columns || buffer.columns.len() == 1
+            }
+            Mem::Local(_) => true,
+        };
+        side_by_side && lanes.is_multiple_of(LANES)
+    }
+
     /// Loads a run, each lane of its row or of the last one.
     pub(super) fn load_run(
         &mut self,
         block: u32,
         mem: &Mem,
         index: NodeId,
-        ty: (Scalar, usize),
+        (scalar, lanes): (Scalar, usize),
     ) -> Result<Vec<Value>, String> {
-        let (scalar, lanes) = ty;
-        let words = self.words(mem)?;
-        let row = self.scalar(index);
-        let unchecked = matches!(mem, Mem::Unchecked(_));
-        if !words.holds_runs(lanes) {
+        if !self.is_whole(mem, lanes) {
+            let (words, row) = (self.words(mem)?, self.scalar(index));
             let rows = self.rows_from(row, lanes);
+            let unchecked = matches!(mem, Mem::Unchecked(_));
             return Ok(self.gather(words, unchecked, scalar, &rows, lanes, MemFlagsData::trusted()));
         }
-        let address = if unchecked || self.is_inside(words, index, lanes) {
-            words.row(&mut self.b, row).address
-        } else {
-            if self.group.is_none() {
-                let all = self.group_of(block, mem, words);
-                self.open_loads(all, row, lanes);
-            }
-            self.next_of_group()
-        };
-        let parts = (0..lanes / LANES).map(|at| {
+        let place = self.place_of_load(block, mem, index, lanes)?;
+        Ok(self.load_parts(place, number(mem), scalar, lanes))
+    }
+
+    /// Where a load finds its run.
+    pub(super) fn place_of_load(
+        &mut self,
+        block: u32,
+        mem: &Mem,
+        index: NodeId,
+        lanes: usize,
+    ) -> Result<Place, String> {
+        if matches!(mem, Mem::Unchecked(_)) || self.is_inside(mem, index, lanes)? {
+            return self.place_inside(mem, index);
+        }
+        if self.group.is_none() {
+            let runs = self.group_of(block, mem);
+            self.open_loads(&runs, index, lanes)?;
+        }
+        let group = self.group.as_mut().expect("it was opened");
+        let place = group.place;
+        group.left -= 1;
+        if group.left == 0 {
+            self.group = None;
+        }
+        Ok(place)
+    }
+
+    /// The parts of a run.
+    pub(super) fn load_parts(&mut self, place: Place, column: u32, scalar: Scalar, lanes: usize) -> Vec<Value> {
+        let address = self.address(place, column);
+        let one = |at: usize| {
             let words = self.b.ins().load(part(scalar), unaligned(), address, at as i32 * 16);
             vector::of_words(&mut self.b, scalar, words)
-        });
-        Ok(parts.collect())
+        };
+        (0..lanes / LANES).map(one).collect()
     }
 
     /// Stores a run: lanes under the mask whose row exists.
@@ -83,9 +135,8 @@ impl Emitter<'_> {
         mask: NodeId,
     ) -> Result<(), String> {
         let (scalar, lanes) = data(self.unit.program.ty(value));
-        let words = self.words(mem)?;
-        let row = self.scalar(index);
-        if !words.holds_runs(lanes) {
+        if !self.is_whole(mem, lanes) {
+            let (words, row) = (self.words(mem)?, self.scalar(index));
             let rows = self.rows_from(row, lanes);
             self.scatter(words, &rows, value, mask);
             return Ok(());
@@ -95,15 +146,19 @@ impl Emitter<'_> {
         // Memory of its own takes what is there again in lanes that are not under the mask; elsewhere another thread might
         // write to them.
         let blend = !always && matches!(mem, Mem::Local(_));
-        let address = if (always || blend) && self.is_inside(words, index, lanes) {
-            words.row(&mut self.b, row).address
+        let whole = always || blend;
+        let place = if whole && self.is_inside(mem, index, lanes)? {
+            self.place_inside(mem, index)?
         } else {
             if self.group.is_none() {
-                let all = self.group_of(block, mem, words);
-                self.open_stores(all, row, &masks, lanes, always || blend);
+                let runs = self.group_of(block, mem);
+                self.open_stores(runs, index, &masks, lanes, whole)?;
             }
-            self.next_of_group()
+            let group = self.group.as_mut().expect("it was opened");
+            group.left -= 1;
+            group.place
         };
+        let address = self.address(place, number(mem));
         for (at, (value, mask)) in values.iter().zip(&masks).enumerate() {
             let mut words = vector::to_words(&mut self.b, scalar, *value);
             let at = at as i32 * 16;
@@ -113,18 +168,37 @@ impl Emitter<'_> {
             }
             self.b.ins().store(unaligned(), words, address, at);
         }
-        if self.group.as_ref().is_some_and(|group| group.addresses.is_empty()) {
-            self.close_group();
+        if self.group.as_ref().is_some_and(|group| group.left == 0) {
+            self.close_group()?;
         }
         Ok(())
     }
 
     /// Is it known that the whole run is in range?
-    fn is_inside(&self, words: Words, index: NodeId, lanes: usize) -> bool {
-        match (words.known_rows, self.unit.program.as_lit(index)) {
-            (Some(rows), Some(Lit::U32(first))) => u64::from(first) + lanes as u64 <= u64::from(rows),
-            _ => false,
-        }
+    fn is_inside(&mut self, mem: &Mem, index: NodeId, lanes: usize) -> Result<bool, String> {
+        let Mem::Local(x) = mem else { return Ok(false) };
+        let len = u64::from(self.local(*x)?.len());
+        let first = self.unit.program.as_lit(index).and_then(Lit::as_u32);
+        Ok(first.is_some_and(|first| u64::from(first) + lanes as u64 <= len))
+    }
+
+    fn place_inside(&mut self, mem: &Mem, index: NodeId) -> Result<Place, String> {
+        let (words, row) = (self.words(mem)?, self.scalar(index));
+        let address = words.row(&mut self.b, row).address;
+        // The one column of this place is its first.
+        Ok(Place { address, step: address, first: number(mem) })
+    }
+
+    /// The address of a column's run.
+    fn address(&mut self, place: Place, column: u32) -> Value {
+        let n = i64::from(column - place.first);
+        let b = &mut self.b;
+        let distance = match n {
+            0 => return place.address,
+            1 | 2 | 4 | 8 => b.ins().ishl_imm_u(place.step, i64::from(n.trailing_zeros())),
+            _ => b.ins().imul_imm_u(place.step, n),
+        };
+        b.ins().iadd(place.address, distance)
     }
 
     /// Is this mask all true, as far as is known?
@@ -135,55 +209,49 @@ impl Emitter<'_> {
         }
     }
 
-    /// The run that leaves this block and those that follow it: of other columns or the same, else alike.
-    fn group_of(&self, block: u32, mem: &Mem, first: Words) -> Vec<Words> {
+    /// The run that leaves this block and those that follow it, alike but for column and value.
+    fn group_of(&self, block: u32, first: &Mem) -> Vec<Mem> {
         let p = self.unit.program;
-        let Mem::Stream(column) = mem else { return vec![first] };
-        // All that a run's column and value do not say.
-        let kind = |body: &Body| match body {
-            Body::Load { mem: Mem::Stream(c), index, next } => {
-                let ty = p.loaded(*next).map_or((Scalar::Bool, 0), data);
-                Some((*c, *index, ty.1, None, *next))
+        let Mem::Stream(column) = first else { return vec![*first] };
+        let body = |block: u32| &p.cont(self.f.blocks[block as usize].cont).body;
+        let alike = |other: &Body| match (body(block), other) {
+            (Body::Load { index: i, next: n, .. }, Body::Load { index, next, .. }) => {
+                i == index && p.loaded(*n).map(|ty| data(ty).1) == p.loaded(*next).map(|ty| data(ty).1)
             }
-            Body::Store { mem: Mem::Stream(c), index, value, mask, next } => {
-                Some((*c, *index, data(p.ty(*value)).1, Some(*mask), *next))
-            }
-            _ => None,
+            (Body::Store { index: i, mask: m, .. }, Body::Store { index, mask, .. }) => i == index && m == mask,
+            _ => false,
         };
         let mut group = Vec::new();
-        let mut at = block;
-        let own = kind(&p.cont(self.f.blocks[block as usize].cont).body);
-        while let Some((c, index, lanes, mask, next)) = kind(&p.cont(self.f.blocks[at as usize].cont).body) {
-            let alike = own.is_some_and(|own| (own.1, own.2, own.3) == (index, lanes, mask));
-            if c.buf != column.buf || !alike || group.len() == GROUP || (!group.is_empty() && !self.is_appended(at)) {
+        let (mut low, mut high, mut at) = (column.col, column.col, block);
+        while let Body::Load { mem: mem @ Mem::Stream(c), next, .. }
+        | Body::Store { mem: mem @ Mem::Stream(c), next, .. } = body(at)
+        {
+            (low, high) = (low.min(c.col), high.max(c.col));
+            if c.buf != column.buf || !alike(body(at)) || high - low >= GROUP {
                 break;
             }
-            group.push(self.buffers.words(c));
-            at = self.f.number[&self.target(next)];
+            group.push(*mem);
+            at = self.f.number[&self.target(*next)];
+            if !self.is_appended(at) {
+                break;
+            }
         }
         group
     }
 
-    /// Where the next run of the group is.
-    fn next_of_group(&mut self) -> Value {
-        let group = self.group.as_mut().expect("it was opened");
-        let address = group.addresses.pop().expect("a group ends with its last run");
-        if group.addresses.is_empty() && group.copy.is_none() {
-            self.group = None;
-        }
-        address
-    }
-
     /// Makes the test of a group of loads.
-    fn open_loads(&mut self, words: Vec<Words>, row: Value, lanes: usize) {
+    fn open_loads(&mut self, runs: &[Mem], index: NodeId, lanes: usize) -> Result<(), String> {
+        let (words, row) = (self.words(&runs[0])?, self.scalar(index));
         let done = self.b.create_block();
         let [across, each, copied] = self.cold_blocks();
-        let places: Vec<Value> = words.iter().map(|words| words.row(&mut self.b, row).address).collect();
-        let fits = self.fits(words[0], row, lanes);
-        self.leave_to(fits, done, &places, across);
+        let place = self.place(runs, row)?;
+        let fits = self.fits(words, row, lanes);
+        let on = [place.address, place.step].map(Into::into);
+        self.b.ins().brif(fits, done, &on, across, &[]);
 
         self.b.switch_to_block(across);
-        let copies = self.copies(words.len());
+        let (copies, step) = self.copies(runs);
+        let columns = runs.iter().map(|run| self.words(run)).collect::<Result<Vec<_>, _>>()?;
         let zero = self.b.ins().iconst(types::I32, 0);
         self.b.ins().jump(each, &[zero.into()]);
         let lane = self.b.append_block_param(each, types::I32);
@@ -193,68 +261,79 @@ impl Emitter<'_> {
         let offset = b.ins().uextend(POINTER, lane);
         let offset = b.ins().ishl_imm_u(offset, 2);
         let to = b.ins().iadd(copies, offset);
-        for (i, words) in words.iter().enumerate() {
+        for (run, words) in runs.iter().zip(&columns) {
             let from = words.clamped(b, own);
             let word = b.ins().load(types::I32, MemFlagsData::trusted(), from.address, from.offset);
-            b.ins().store(MemFlagsData::trusted(), word, to, i as i32 * COPY);
+            let at = (number(run) - place.first) as i32 * COPY as i32;
+            b.ins().store(MemFlagsData::trusted(), word, to, at);
         }
         let next = b.ins().iadd_imm_u(lane, 1);
         let more = b.ins().icmp_imm_u(IntCC::UnsignedLessThan, next, lanes as i64);
         b.ins().brif(more, each, &[next.into()], copied, &[]);
         b.switch_to_block(copied);
-        let places: Vec<Value> =
-            (0..words.len()).map(|i| b.ins().iadd_imm_u(copies, i as i64 * i64::from(COPY))).collect();
-        self.go_with(done, &places);
-        let addresses = self.enter(done, words.len());
-        self.group = Some(Group { addresses, copy: None });
+        b.ins().jump(done, &[copies.into(), step.into()]);
+        let place = self.enter(done, place.first);
+        self.group = Some(Group { place, left: runs.len(), copy: None });
+        Ok(())
     }
 
     /// Makes the test of a group of stores. `whole`: it does not matter which lanes are under the mask.
-    fn open_stores(&mut self, words: Vec<Words>, row: Value, masks: &[Value], lanes: usize, whole: bool) {
+    fn open_stores(
+        &mut self,
+        runs: Vec<Mem>,
+        index: NodeId,
+        masks: &[Value],
+        lanes: usize,
+        whole: bool,
+    ) -> Result<(), String> {
+        let (words, row) = (self.words(&runs[0])?, self.scalar(index));
         let done = self.b.create_block();
         let [across] = self.cold_blocks();
         let none = self.b.ins().iconst(types::I32, 0);
-        let active = self.b.append_block_param(done, types::I32);
-        let mut places = vec![none];
-        places.extend(words.iter().map(|words| words.row(&mut self.b, row).address));
+        let place = self.place(&runs, row)?;
         if !whole {
             let all = vector::over_lanes(&mut self.b, self.unit.simd, Op::All, masks, lanes);
             let inside = self.b.create_block();
-            self.leave_to(all, inside, &[], across);
+            self.b.ins().brif(all, inside, &[], across, &[]);
             self.b.switch_to_block(inside);
         }
-        let fits = self.fits(words[0], row, lanes);
-        self.leave_to(fits, done, &places, across);
+        let fits = self.fits(words, row, lanes);
+        let on = [place.address, place.step, none].map(Into::into);
+        self.b.ins().brif(fits, done, &on, across, &[]);
 
         self.b.switch_to_block(across);
         let rows = self.rows_from(row, lanes);
-        let mut places = vec![self.active(words[0], &rows, masks, lanes)];
-        let copies = self.copies(words.len());
-        places.extend((0..words.len()).map(|i| self.b.ins().iadd_imm_u(copies, i as i64 * i64::from(COPY))));
-        self.go_with(done, &places);
-        let addresses = self.enter(done, words.len());
-        self.group = Some(Group { addresses, copy: Some(Copy { words, row, active }) });
+        let some = self.active(words, &rows, masks, lanes);
+        let (copies, step) = self.copies(&runs);
+        self.b.ins().jump(done, &[copies.into(), step.into(), some.into()]);
+        let place = self.enter(done, place.first);
+        let active = self.b.append_block_param(done, types::I32);
+        self.group = Some(Group { place, left: runs.len(), copy: Some(Copy { runs, row, active }) });
+        Ok(())
     }
 
     /// After the last store of a group: what went to the copies goes to its place, lane by lane under the mask.
-    fn close_group(&mut self) {
-        let Some(Group { copy: Some(Copy { words, row, active }), .. }) = self.group.take() else { return };
+    fn close_group(&mut self) -> Result<(), String> {
+        let Some(Group { place, copy: Some(Copy { runs, row, active }), .. }) = self.group.take() else {
+            return Ok(());
+        };
         let done = self.b.create_block();
         let [across, each] = self.cold_blocks();
         self.b.ins().brif(active, across, &[], done, &[]);
         self.b.switch_to_block(across);
-        let copies = self.copies(words.len());
-        self.b.ins().jump(each, &[active.into()]);
-        let rest = self.b.append_block_param(each, types::I32);
-        self.b.switch_to_block(each);
+        let columns = runs.iter().map(|run| self.words(run)).collect::<Result<Vec<_>, _>>()?;
         let b = &mut self.b;
+        b.ins().jump(each, &[active.into()]);
+        let rest = b.append_block_param(each, types::I32);
+        b.switch_to_block(each);
         let lane = b.ins().ctz(rest);
         let own = b.ins().iadd(row, lane);
         let offset = b.ins().uextend(POINTER, lane);
         let offset = b.ins().ishl_imm_u(offset, 2);
-        let from = b.ins().iadd(copies, offset);
-        for (i, words) in words.iter().enumerate() {
-            let word = b.ins().load(types::I32, MemFlagsData::trusted(), from, i as i32 * COPY);
+        let from = b.ins().iadd(place.address, offset);
+        for (run, words) in runs.iter().zip(&columns) {
+            let at = (number(run) - place.first) as i32 * COPY as i32;
+            let word = b.ins().load(types::I32, MemFlagsData::trusted(), from, at);
             let to = words.row(b, own);
             b.ins().store(MemFlagsData::trusted(), word, to.address, to.offset);
         }
@@ -262,6 +341,18 @@ impl Emitter<'_> {
         let rest = b.ins().band(rest, less);
         b.ins().brif(rest, each, &[rest.into()], done, &[]);
         b.switch_to_block(done);
+        Ok(())
+    }
+
+    /// Where the runs of a group are if they are in range.
+    fn place(&mut self, runs: &[Mem], row: Value) -> Result<Place, String> {
+        let first = runs.iter().min_by_key(|run| number(run)).expect("a group has runs");
+        let address = self.words(first)?.row(&mut self.b, row).address;
+        let step = match first {
+            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.step(column.buf),
+            Mem::Local(_) => address,
+        };
+        Ok(Place { address, step, first: number(first) })
     }
 
     /// Is the whole run in range?
@@ -272,44 +363,30 @@ impl Emitter<'_> {
         b.ins().icmp(IntCC::UnsignedLessThanOrEqual, end, rows)
     }
 
-    /// Goes on with these values if the test holds, else out of line.
-    fn leave_to(&mut self, holds: Value, on: Block, values: &[Value], across: Block) {
-        let values: Vec<_> = values.iter().map(|v| (*v).into()).collect();
-        self.b.ins().brif(holds, on, &values, across, &[]);
-    }
-
-    fn go_with(&mut self, block: Block, values: &[Value]) {
-        let values: Vec<_> = values.iter().map(|v| (*v).into()).collect();
-        self.b.ins().jump(block, &values);
-    }
-
-    /// Begins the block of a group: its addresses, the last one first.
-    fn enter(&mut self, block: Block, runs: usize) -> Vec<Value> {
-        let mut addresses: Vec<Value> = (0..runs).map(|_| self.b.append_block_param(block, POINTER)).collect();
+    /// Begins the block after the test of a group.
+    fn enter(&mut self, block: Block, first: u32) -> Place {
+        let [address, step] = [(); 2].map(|()| self.b.append_block_param(block, POINTER));
         self.b.switch_to_block(block);
-        addresses.reverse();
-        addresses
+        Place { address, step, first }
     }
 
-    /// The address of room for so many copies.
-    fn copies(&mut self, runs: usize) -> Value {
-        let bytes = runs as u32 * COPY as u32;
-        let b = &mut self.b;
-        let slot = *self.copies.get_or_insert_with(|| {
-            b.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, bytes, 4))
-        });
-        let size = &mut b.func.sized_stack_slots[slot].size;
-        *size = bytes.max(*size);
-        b.ins().stack_addr(POINTER, slot, 0)
+    /// Room for the copies of a group: its address, and bytes from a column to the next. Each group has its own, because
+    /// loads may be made long after their group.
+    fn copies(&mut self, runs: &[Mem]) -> (Value, Value) {
+        let numbers = || runs.iter().map(number);
+        let columns = numbers().max().unwrap_or(0) - numbers().min().unwrap_or(0) + 1;
+        let data = StackSlotData::new(StackSlotKind::ExplicitSlot, columns * COPY as u32, 4);
+        let slot = self.b.create_sized_stack_slot(data);
+        (self.b.ins().stack_addr(POINTER, slot, 0), self.b.ins().iconst(POINTER, COPY))
     }
 
     /// The rows of a run.
     fn rows_from(&mut self, row: Value, lanes: usize) -> Vec<Value> {
         let first = self.b.ins().splat(types::I32X4, row);
-        let part = |start: usize| {
+        let one = |start: usize| {
             let lanes = pack::constant(&mut self.b, types::I32X4, std::array::from_fn(|l| (start + l) as u32));
             self.b.ins().iadd(first, lanes)
         };
-        (0..lanes).step_by(LANES).map(part).collect()
+        (0..lanes).step_by(LANES).map(one).collect()
     }
 }

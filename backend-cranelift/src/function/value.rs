@@ -16,7 +16,11 @@ impl Emitter<'_> {
         let p = self.unit.program;
         match p.node(x) {
             Node::Lit(lit) => *self.literals.entry(*lit).or_insert_with(|| literal(&mut self.b, *lit)),
-            Node::Param { cont, index } => self.params[self.f.number[cont] as usize][*index as usize][at],
+            Node::Param { cont, index } => {
+                let block = self.f.number[cont];
+                self.load_deferred(block);
+                self.params[block as usize][*index as usize][at]
+            }
             Node::Pack(elems) => match self.literal_words(&elems[at * LANES..]) {
                 Some(words) => self.constant(part(data(p.ty(x)).0), words),
                 None => self.made[self.first[&x] + at],
@@ -43,6 +47,8 @@ impl Emitter<'_> {
     /// Computes a node.
     pub(super) fn node(&mut self, id: NodeId) -> Result<(), String> {
         let p = self.unit.program;
+        // Each operation takes its constants from memory: to keep them in registers costs more than to load them again.
+        self.constants.clear();
         let values = match p.node(id) {
             Node::Prim { op, args } => self.prim(*op, &args[..op.arity()]),
             Node::Pack(elems) => self.pack(data(p.ty(id)).0, elems),
