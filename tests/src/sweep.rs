@@ -22,18 +22,19 @@ pub struct Sweep {
     pub uniform: Vec<Lit>,
 }
 
-/// Does a residual store to streams? Then its runs are not independent.
-pub fn stores(p: &Program) -> bool {
-    let store = |c: &ContId| matches!(p.cont(*c).body, Body::Store { mem: Mem::Stream(_), .. });
-    Reach::of(p).conts.iter().any(store)
+/// Can a residual be run for each row independently? It must not store to streams, nor vectorise itself.
+pub fn fits(p: &Program) -> bool {
+    let spoils =
+        |c: &ContId| matches!(p.cont(*c).body, Body::Store { mem: Mem::Stream(_), .. } | Body::Vectorize { .. });
+    !Reach::of(p).conts.iter().any(spoils)
 }
 
 /// So many rows of random arguments, some of them the same for all rows.
 ///
 /// # Panics
-/// When the program has no entry `main`, or stores to streams.
+/// When the program has no entry `main`, or does not fit.
 pub fn sweep(residual: &Program, memory: &[Memory], rows: u32, width: u8, c: &mut Choices) -> Sweep {
-    assert!(!stores(residual), "runs of a program that stores to streams depend on each other");
+    assert!(fits(residual), "runs of the program depend on each other");
     let main = residual.cont(residual.entry("main").expect("a residual has the entry"));
     let (ret, params) = main.params.split_last().expect("an entry has a return");
     let params: Vec<Ty> = params.iter().map(|param| param.ty).collect();

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift as cranelift;
+use jerboa_backend_cranelift::lanes::{Width, lanes, vectorizes};
 use jerboa_ir::interp::{Interp, Limits, Memory, Stop};
 use jerboa_ir::*;
 use jerboa_peval::{Arg, Error, Facts, Generic, Options, specialize};
@@ -93,6 +94,7 @@ pub fn check(case: &Case, seed: u64, inputs: u64, tally: &mut Tally) -> Result<(
     }
     trial.check_again(&residual)?;
     round_trip(&residual)?;
+    trial.check_lanes(&residual, tally)?;
     trial.check_machine_code(&residual, tally)
 }
 
@@ -167,14 +169,30 @@ impl<'c> Trial<'c> {
         Err(format!("specialised twice:\n{}\nbecomes\n{}", print(residual), print(&again)))
     }
 
+    /// What is vectorised, in lanes.
+    fn check_lanes(&self, residual: &Program, tally: &mut Tally) -> Result<(), String> {
+        if !vectorizes(residual) {
+            return Ok(());
+        }
+        for width in [Width::Hint, Width::Lanes(16)] {
+            let vector = lanes(residual, width).map_err(|e| format!("lanes: {e}\n{}", print(residual)))?;
+            round_trip(&vector)?;
+            self.check_residual(&format!("lanes ({width:?})"), &vector, tally)?;
+        }
+        Ok(())
+    }
+
     fn check_machine_code(&self, residual: &Program, tally: &mut Tally) -> Result<(), String> {
         let main = residual.entry("main").expect("the residual has the entry");
-        for opt in [cranelift::Opt::None, cranelift::Opt::Speed] {
-            let options = cranelift::Options { opt, verify: true, ..Default::default() };
+        let in_lanes = Some(Width::Hint);
+        let mut settings = vec![(cranelift::Opt::None, in_lanes), (cranelift::Opt::Speed, in_lanes)];
+        settings.extend(vectorizes(residual).then_some((cranelift::Opt::None, None)));
+        for (opt, lanes) in settings {
+            let options = cranelift::Options { opt, verify: true, lanes, ..Default::default() };
             let code =
                 cranelift::compile(&[residual], &options).map_err(|e| format!("back end: {e}\n{}", print(residual)))?;
             let kernel = code.kernel("main").expect("main is compiled");
-            self.compare(&format!("machine code ({opt:?})"), residual, |args| {
+            self.compare(&format!("machine code ({opt:?}, {lanes:?})"), residual, |args| {
                 let mut memory = self.memory.clone();
                 let results = call(kernel, residual, main, &self.split.unknown(args), &mut memory)?;
                 Ok((results, canonical(residual, memory)))
