@@ -3,6 +3,7 @@
 //! - [`analytic`]: scenes whose radiance has a closed form, rendered and compared.
 //! - [`mod@bench`]: tables in memory, and kernels made of a few entries; specialised with nothing known, compiled, and also
 //!   interpreted.
+//! - [`clock`]: time on a machine that others use too.
 //! - [`sweep`]: kernels that loop, for millions of questions to one function.
 //! - [`lights`]: lights of a whole scene, asked for choices, samples and densities; and the table of them.
 //! - [`functions`]: the math library, one row a function; exhaustive sweeps and special values.
@@ -19,6 +20,7 @@
 
 pub mod analytic;
 pub mod bench;
+pub mod clock;
 pub mod hostile;
 pub mod metamorphic;
 pub mod naive;

@@ -4,7 +4,7 @@ use jerboa_lib_render::host::bvh::Bvh;
 use jerboa_tests::harness::bench::{Random, number};
 use jerboa_tests::harness::hostile::LISTS;
 
-use crate::renders::processor_time;
+use jerboa_tests::harness::clock::processor_time;
 
 /// Builds of each list.
 const ROUNDS: usize = 5;

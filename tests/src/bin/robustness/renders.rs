@@ -1,8 +1,5 @@
 //! Whole renders with one remedy replaced at a time.
 
-use std::sync::LazyLock;
-use std::time::Instant;
-
 use jerboa_backend_cranelift as cranelift;
 use jerboa_ir::lang::{Buf, Exit, F32, build};
 use jerboa_lib_render::camera::make_perspective_camera;
@@ -18,6 +15,7 @@ use jerboa_lib_render::tracer::{OnBounceFn, OnShadowFn, RayState, Tracer};
 use jerboa_lib_render::traverse::make_traverse;
 use jerboa_peval::{Arg, Generic, specialize};
 use jerboa_scenes::{Camera, Scene};
+use jerboa_tests::harness::clock::processor_time;
 use jerboa_tests::harness::naive::{self, BoxTest, TriangleTest};
 
 /// What is replaced.
@@ -88,15 +86,6 @@ pub fn table(args: &[&str]) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Seconds that this thread has run for: wall time tells little on a machine that is shared. Linux counts it in nanoseconds;
-/// elsewhere it is wall time.
-pub fn processor_time() -> f64 {
-    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
-    let counted = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = counted.and_then(|s| s.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| START.elapsed().as_secs_f64(), |t| 1e-9 * t)
 }
 
 fn quartiles(mut x: Vec<f64>) -> [f64; 3] {
