@@ -38,6 +38,9 @@ pub fn make_stream_device() -> Device {
     Device { trace: shading }
 }
 
+/// Paths that one vector holds: a machine register's worth.
+const WIDTH: u8 = 4;
+
 /// Name of a kernel that needs a tracer; the path tracer's have short names.
 pub fn kernel_name(tracer: &str, stage: &str) -> String {
     if tracer == "path" { stage.into() } else { format!("{tracer}_{stage}") }
@@ -47,12 +50,12 @@ pub fn kernel_name(tracer: &str, stage: &str) -> String {
 fn shading(name: &str, tracer: Tracer) {
     let name = |stage| kernel_name(name, stage);
     kernel(&name("generate"), |b, (lo, hi, first, number): (U32, U32, U32, U32)| {
-        rows(b, lo, hi, |b, i| generate(b, tracer, i, first + (i - lo), number + (i - lo)));
+        b.vectorize(WIDTH, lo, hi, |b, i| generate(b, tracer, i, first + (i - lo), number + (i - lo)));
     });
     kernel(&name("shade"), |b, (class, lo, hi): (Row<Geometries>, U32, U32)| {
-        rows(b, lo, hi, |b, i| shade(b, tracer, class, i));
+        b.vectorize(WIDTH, lo, hi, |b, i| shade(b, tracer, class, i));
     });
-    kernel(&name("miss"), |b, (lo, hi)| rows(b, lo, hi, |b, i| miss(b, tracer, i)));
+    kernel(&name("miss"), |b, (lo, hi): (U32, U32)| b.vectorize(WIDTH, lo, hi, |b, i| miss(b, tracer, i)));
 }
 
 /// Declare an entry.
