@@ -283,6 +283,19 @@ fn json_of_compare_tells_the_figures() {
 }
 
 #[test]
+fn bench_table_3_counts_the_sources() {
+    let sources = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
+    let parts = Desk::new().json(&format!("bench table-3 {sources} --json"));
+    let names: Vec<&str> =
+        parts.as_array().expect("a list").iter().map(|p| p["part"].as_str().expect("text")).collect();
+    assert_eq!(names[0], "core");
+    assert!(names.len() > 2, "{names:?}");
+    for part in parts.as_array().expect("a list") {
+        assert!(part["lines"].as_u64() > Some(50) && part["effort"].as_f64() > Some(1e4), "{part}");
+    }
+}
+
+#[test]
 fn bench_stability_tells_speed_and_error_and_shows_pictures() {
     let desk = Desk::new();
     let report =
@@ -395,6 +408,8 @@ fn every_error_is_one_readable_line() {
             "bench stability -o out.jpg",
             "cannot write out.jpg: its name must end in .exr (linear) or .png (tone-mapped)",
         ),
+        ("bench table-3", "lib-render/src: cannot be read: No such file or directory"),
+        ("bench table-3 .", ".: traverse is not there; these are not the sources I know"),
         ("bench stability --spp 0", "invalid value '0' for '--spp <N>'"),
         ("bench", "a command is missing"),
         ("compare a.exr b.exr", "cannot read b.exr: No such file or directory (os error 2)"),

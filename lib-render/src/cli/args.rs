@@ -51,6 +51,9 @@ pub enum BenchCommand {
     /// random order, and to lights. `--write` leaves the sets in files, for other tracers: per ray eight 32-bit floats, origin, 0,
     /// direction, end.
     Rays(RaysArgs),
+    /// Count lines of code and Halstead's effort of the renderer and its devices (the paper's Table 3)
+    #[command(name = "table-3")]
+    Table3(Table3Args),
 }
 
 /// The scene that is rendered when none is named.
@@ -350,6 +353,17 @@ pub struct RaysArgs {
     /// Write each set of rays to NAME.rays in this folder
     #[arg(long, value_name = "FOLDER")]
     pub write: Option<PathBuf>,
+}
+
+/// Words of `jerboa bench table-3`.
+#[derive(Debug, Args)]
+pub struct Table3Args {
+    /// Sources of the renderer, in a checkout of Jerboa
+    #[arg(default_value = "lib-render/src")]
+    pub folder: PathBuf,
+    /// Print an object as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ mod trace;
 mod compare;
 mod bench;
 mod rays;
+mod effort;
 
 use crate::host::error::Error;
 use args::{BenchCommand, Cli, Command};
@@ -45,6 +46,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
         Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
+        Command::Bench { command: BenchCommand::Table3(args) } => print(&effort::run(&args)?),
         Command::Bench { command: BenchCommand::Stability(args) } => {
             let (table, failed) = bench::stability(&args)?;
             print(&table)?;

@@ -13,7 +13,8 @@
 //! * [`student`]: the quantiles that this takes,
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names,
-//! * [`rays`]: raw tracing, in rays per second.
+//! * [`rays`]: raw tracing, in rays per second,
+//! * [`effort`]: how much there is to write and to read.
 
 pub mod tables;
 pub mod generate;
@@ -30,6 +31,7 @@ pub mod compare;
 pub mod stability;
 pub mod sheet;
 pub mod rays;
+pub mod effort;
 pub mod distribution;
 pub mod error;
 pub mod film;
