@@ -8,7 +8,9 @@ mod access;
 mod deferred;
 mod exit;
 mod gather;
+mod range;
 mod run;
+mod shortcut;
 mod value;
 
 use std::collections::BTreeMap;

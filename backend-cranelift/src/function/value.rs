@@ -78,13 +78,10 @@ impl Emitter<'_> {
             let parts = self.values(main);
             return vec![vector::over_lanes(&mut self.b, self.unit.simd, op, &parts, lanes)];
         }
-        let amount = if is_shift { self.splatted(args[1]) } else { None };
+        if let Some(values) = self.shortcut(op, args) {
+            return values;
+        }
         let one = |at: usize| {
-            let first = self.value(args[0], at);
-            if let Some(amount) = amount {
-                let amount = self.scalar(amount);
-                return vector::shift(&mut self.b, op, scalar, first, amount);
-            }
             let args: Vec<Value> = args.iter().map(|x| self.value(*x, at)).collect();
             match vector::part(&mut self.b, self.unit.simd, op, scalar, &args) {
                 Some(value) => value,

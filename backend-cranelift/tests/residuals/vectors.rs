@@ -123,3 +123,79 @@ fn lanes_that_are_not_there_do_not_count() {
         }
     }
 }
+
+/// Clamps that put a float into the range of a conversion, just do, or do not, whatever the order of their operands.
+#[test]
+fn conversions_of_clamped_floats() {
+    let mut b = Build::default();
+    let ty = Ty::vector(Scalar::F32, 4);
+    let to = |scalar| Ty::vector(scalar, 4);
+    let mut kinds = Vec::new();
+    let mut results = Vec::new();
+    let highs = [127.5, 2_147_483_520.0, 2_147_483_648.0, f32::INFINITY];
+    let lows = [0.0, -0.99, -1.0, -2_147_483_648.0, -2_147_483_904.0];
+    let f = b.cont("f", Role::Fun, &[ty, to(Scalar::U32)]);
+    let (x, bits) = (b.param(f, 0), b.param(f, 1));
+    let splat = |b: &mut Build, lit: Lit| {
+        let lit = b.w.lit(lit);
+        b.w.pack(&[lit; 4], Loc::NONE)
+    };
+    for (high, low) in highs.iter().flat_map(|h| lows.iter().map(move |l| (*h, *l))) {
+        let (high, low) = (splat(&mut b, Lit::f32(high)), splat(&mut b, Lit::f32(low)));
+        let inner = b.op(Op::Min, &[x, high]);
+        let both = b.op(Op::Max, &[inner, low]);
+        let inner = b.op(Op::Min, &[high, x]);
+        let turned = b.op(Op::Max, &[low, inner]);
+        let floor = b.op(Op::Floor, &[both]);
+        for clamped in [both, turned, floor, inner] {
+            for (op, scalar) in [(Op::ToI32, Scalar::I32), (Op::ToU32, Scalar::U32), (Op::Bits, Scalar::U32)] {
+                results.push(b.op(op, &[clamped]));
+                kinds.push(to(scalar));
+            }
+        }
+    }
+    for (op, by) in [(Op::Shr, 1), (Op::Shr, 32), (Op::And, i32::MAX as u32), (Op::And, 1 << 31)] {
+        let by = splat(&mut b, Lit::U32(by));
+        let small = b.op(op, &[bits, by]);
+        let float = b.op(Op::ToF32, &[small]);
+        results.extend([float, b.op(Op::ToU32, &[float]), b.op(Op::ToI32, &[float])]);
+        kinds.extend([ty, to(Scalar::U32), to(Scalar::I32)]);
+    }
+    // The function's return, whose type is known by now only.
+    let entry = b.entry("entry", &[ty, to(Scalar::U32)], &kinds);
+    let (own_x, own_bits) = (b.param(entry, 0), b.param(entry, 1));
+    b.jump(entry, f, &[own_x, own_bits]);
+    b.ret(f, entry, &results);
+    let p = b.finish();
+    let (floats, words) = (special(Scalar::F32), special(Scalar::U32));
+    for start in 0..9 {
+        let floats = floats.iter().cycle().skip(start * 4).take(4);
+        let words = words.iter().cycle().skip(start * 4).take(4);
+        agree(&p, "entry", &floats.chain(words).copied().collect::<Vec<_>>(), &[]);
+    }
+}
+
+/// A choice by the contrary of a mask, between values and constants.
+#[test]
+fn choices_by_the_contrary() {
+    let p = crate::build::residual(
+        "entry f = f
+fun f(m: boolx8, n: boolx8, x: f32x8, y: f32x8, return: fn(f32x8, f32x8, f32x8, boolx8, boolx8, boolx8))
+  not_m = not m
+  zero = pack 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0
+  yes = pack true true true true true true true true
+  a = select not_m x y
+  b = select not_m zero y
+  c = select not_m x zero
+  d = select not_m yes n
+  e = select not_m n yes
+  g = select not_m not_m n
+  jump return(a, b, c, d, e, g)
+",
+    );
+    let mask = |bits: u32| (0..8).map(move |l| Lit::Bool(bits >> l & 1 == 1));
+    let float = |from: usize| special(Scalar::F32).into_iter().cycle().skip(from).take(8);
+    for (m, n) in [(0b0101_0011, 0b1100_1010), (0, 0xff), (0xff, 0x0f)] {
+        agree(&p, "f", &mask(m).chain(mask(n)).chain(float(3)).chain(float(25)).collect::<Vec<_>>(), &[]);
+    }
+}
