@@ -10,13 +10,15 @@
 //! columns that it stores to, an iteration loads within the rows of the stream; the interpreter finds those that do not.
 //!
 //! What an index is, is found by following values: a parameter that every jump gives the same value is that value
-//! (optimistic value numbering: Alpern, Wegman, Zadeck, POPL 1988). What comes from a load or a call is unknown.
+//! (optimistic value numbering: Alpern, Wegman, Zadeck, POPL 1988). What comes from a load or a call is unknown. Only what
+//! indices depend on is looked at.
 
 use rustc_hash::FxHashMap;
 
 use super::Verifier;
 use crate::op::Op;
 use crate::program::*;
+use crate::stats::Reach;
 
 /// The name of the rule.
 const RULE: &str = "independent";
@@ -62,32 +64,41 @@ impl Terms {
     }
 }
 
-/// The values in a body and in what it calls.
+/// What enters a continuation with its parameters.
+#[derive(Clone, Copy)]
+enum Giver<'p> {
+    /// A jump with these arguments.
+    Jump(&'p [NodeId]),
+    /// A load, a call's return, a local array: not followed.
+    Other,
+}
+
+/// The values of indices in a body and in what it calls.
 struct Values<'p> {
     p: &'p Program,
     /// Continuations that the body reaches.
     conts: Vec<ContId>,
-    /// Nodes that these use, operands first.
+    /// Nodes that indices depend on, also through parameters; operands first.
     nodes: Vec<NodeId>,
     terms: Terms,
     /// The index of the iteration.
     index: NodeId,
+    givers: FxHashMap<ContId, Vec<Giver<'p>>>,
     params: FxHashMap<(ContId, u32), Known>,
     known: FxHashMap<NodeId, Known>,
 }
 
 impl<'p> Values<'p> {
     fn new(p: &'p Program, body: ContId) -> Values<'p> {
-        let reach = crate::stats::Reach::new(p, [body]);
-        let mut nodes = reach.nodes;
-        nodes.sort_unstable();
+        let conts = Reach::new(p, [body]).conts;
         let mut terms = Terms::default();
         let count = p.cont(body).params.len() as u32;
         let term = |index: u32| terms.make(Node::Param { cont: body, index }, index + 2 == count);
         let own: Vec<NodeId> = (0..count).map(term).collect();
         let params = (0..count).map(|i| ((body, i), Known::Term(own[i as usize]))).collect();
-        let index = own[count as usize - 2];
-        let mut values = Values { p, conts: reach.conts, nodes, terms, index, params, known: FxHashMap::default() };
+        let (index, givers) = (own[count as usize - 2], givers(p, &conts));
+        let mut values = Values { p, conts, nodes: vec![], terms, index, givers, params, known: FxHashMap::default() };
+        values.demand();
         loop {
             values.evaluate();
             if !values.pass() {
@@ -96,19 +107,47 @@ impl<'p> Values<'p> {
         }
     }
 
+    /// The nodes that the indices of streams depend on.
+    fn demand(&mut self) {
+        let p = self.p;
+        let mut stack: Vec<NodeId> = Vec::new();
+        for c in &self.conts {
+            if let Body::Store { mem: Mem::Stream(_), index, .. } | Body::Load { mem: Mem::Stream(_), index, .. } =
+                &p.cont(*c).body
+            {
+                stack.push(*index);
+            }
+        }
+        while let Some(x) = stack.pop() {
+            if self.known.insert(x, Known::Unseen).is_some() {
+                continue;
+            }
+            self.nodes.push(x);
+            p.operands(x, &mut |y| stack.push(y));
+            if let Node::Param { cont, index } = p.node(x) {
+                self.params.entry((*cont, *index)).or_insert(Known::Unseen);
+                stack.extend(self.jumps(*cont).map(|args| args[*index as usize]));
+            }
+        }
+        self.nodes.sort_unstable();
+    }
+
+    /// The arguments of all jumps to a continuation.
+    fn jumps(&self, to: ContId) -> impl Iterator<Item = &'p [NodeId]> {
+        let givers = self.givers.get(&to).map_or(&[][..], |givers| &givers[..]);
+        givers.iter().filter_map(|giver| if let Giver::Jump(args) = giver { Some(*args) } else { None })
+    }
+
     /// All nodes, from what is known of the parameters.
     fn evaluate(&mut self) {
-        let mut of_params = std::mem::take(&mut self.params);
-        for id in std::mem::take(&mut self.nodes) {
+        for i in 0..self.nodes.len() {
+            let id = self.nodes[i];
             let known = match self.p.node(id) {
-                Node::Param { cont, index } => *of_params.entry((*cont, *index)).or_insert(Known::Unseen),
-                Node::Cont(_) => Known::Unknown,
+                Node::Param { cont, index } => self.params[&(*cont, *index)],
                 node => self.term(node, id),
             };
             self.known.insert(id, known);
-            self.nodes.push(id);
         }
-        self.params = of_params;
     }
 
     /// A node over the terms of its operands.
@@ -140,44 +179,52 @@ impl<'p> Values<'p> {
 
     /// Give every parameter what the jumps pass to it. Did one change?
     fn pass(&mut self) -> bool {
-        let p = self.p;
         let mut changed = false;
-        for c in self.conts.clone() {
-            let body = &p.cont(c).body;
-            if let Body::Jump { callee, args, .. } = body
-                && let Node::Cont(to) = *p.node(*callee)
-            {
-                for (i, arg) in (0..).zip(args) {
-                    changed |= self.give(to, i, self.known[arg]);
-                }
+        for ((to, index), known) in &mut self.params {
+            for giver in self.givers.get(to).into_iter().flatten() {
+                let value = match giver {
+                    Giver::Jump(args) => self.known.get(&args[*index as usize]).copied().unwrap_or(Known::Unseen),
+                    Giver::Other => Known::Unknown,
+                };
+                let met = match (*known, value) {
+                    (old, Known::Unseen) => old,
+                    (Known::Unseen, new) => new,
+                    (old, new) if old == new => old,
+                    _ => Known::Unknown,
+                };
+                changed |= std::mem::replace(known, met) != met;
             }
-            // What a load, a call or a local array gives to the block that follows is not followed.
-            body.operands(&mut |x| {
-                let calls = matches!(body, Body::Jump { callee, .. } if *callee == x);
-                if let (Node::Cont(to), false) = (p.node(x), calls) {
-                    let count = p.cont(*to).params.len() as u32;
-                    (0..count).for_each(|i| changed |= self.give(*to, i, Known::Unknown));
-                }
-            });
         }
         changed
-    }
-
-    fn give(&mut self, to: ContId, index: u32, value: Known) -> bool {
-        let known = self.params.entry((to, index)).or_insert(Known::Unseen);
-        let met = match (*known, value) {
-            (old, Known::Unseen) => old,
-            (Known::Unseen, new) => new,
-            (old, new) if old == new => old,
-            _ => Known::Unknown,
-        };
-        std::mem::replace(known, met) != met
     }
 
     /// Is it the index of the iteration, or that and something uniform?
     fn is_own(&self, index: NodeId) -> bool {
         matches!(self.known[&index], Known::Term(term) if self.terms.is_own(term, self.index))
     }
+}
+
+/// What enters each of these continuations.
+fn givers<'p>(p: &'p Program, conts: &[ContId]) -> FxHashMap<ContId, Vec<Giver<'p>>> {
+    let mut givers: FxHashMap<ContId, Vec<Giver>> = FxHashMap::default();
+    for c in conts {
+        let body = &p.cont(*c).body;
+        let callee = match body {
+            Body::Jump { callee, args, .. } => {
+                if let Node::Cont(to) = p.node(*callee) {
+                    givers.entry(*to).or_default().push(Giver::Jump(args));
+                }
+                Some(*callee)
+            }
+            _ => None,
+        };
+        body.operands(&mut |x| {
+            if let (Node::Cont(to), true) = (p.node(x), callee != Some(x)) {
+                givers.entry(*to).or_default().push(Giver::Other);
+            }
+        });
+    }
+    givers
 }
 
 impl Verifier<'_> {
