@@ -163,6 +163,7 @@ impl Machine<'_> {
     pub(crate) fn row(&mut self, table: BufId, class: Option<u32>, index: NodeId) -> Value {
         let class = class.or_else(|| {
             if self.facts.classes(table) == 1 {
+                self.used.add(Fold::Classes(table));
                 return Some(0);
             }
             let row = self.lit(index)?.as_u32()?;

@@ -90,6 +90,23 @@ impl Facts {
     }
 }
 
+impl Facts {
+    /// Do these facts and others say the same where a residual depended on them? If they do for all of its folds, it is a
+    /// residual for the others as well.
+    pub fn agrees(&self, other: &Facts, fold: Fold) -> bool {
+        match fold {
+            Fold::Column { column, class } => {
+                self.scalar(column, class) == other.scalar(column, class)
+                    && self.target(column, class) == other.target(column, class)
+            }
+            Fold::Classes(table) => {
+                let rows = |f: &Facts| f.tables.get(table.index()).map(|t| t.class_of.clone());
+                self.classes(table) == other.classes(table) && rows(self) == rows(other)
+            }
+        }
+    }
+}
+
 /// The value of one class, or the value that all classes share.
 fn agreed<T: Copy + PartialEq>(by_class: &[T], class: Option<u32>) -> Option<T> {
     match class {

@@ -1,5 +1,6 @@
 //! `jerboa dump`, `jerboa time`, `jerboa explain`: what the renderer became for a scene, how long that took, and why.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use jerboa_backend_cranelift::lanes::{Width, lanes, vectorizes};
@@ -103,7 +104,7 @@ impl Phases<'_> {
     }
 
     fn json(&self) -> String {
-        let kernel = |k: &Generated| {
+        let kernel = |k: &Arc<Generated>| {
             json!({
                 "name": k.name,
                 "specialize_ms": ms(k.specialize_time),

@@ -117,7 +117,7 @@ pub fn residual(tables: &Tables, request: &Request, keep: Keep) -> Result<Residu
 /// Kernels, and the wall times of making them.
 pub struct Kernels {
     /// One for each request, in order.
-    pub kernels: Vec<Generated>,
+    pub kernels: Vec<Arc<Generated>>,
     /// Wall time of specialisation.
     pub specialize_time: Duration,
     /// Wall time of code generation.
@@ -147,7 +147,7 @@ pub fn generate(tables: &Tables, requests: &[Request], keep: Keep) -> Result<Ker
         specialize_time,
         codegen_time,
     };
-    let kernels = requests.iter().zip(residuals).zip(code).map(kernel).collect();
+    let kernels = requests.iter().zip(residuals).zip(code).map(kernel).map(Arc::new).collect();
     Ok(Kernels { kernels, specialize_time, codegen_time })
 }
 

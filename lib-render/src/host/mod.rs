@@ -25,6 +25,7 @@ mod scalar;
 pub mod wave;
 pub mod work;
 pub mod renderer;
+pub mod edit;
 pub mod replay;
 pub mod bvh;
 pub mod compare;

@@ -1,5 +1,6 @@
 //! A renderer in this process: load a scene, specialise, render.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -69,9 +70,9 @@ impl Default for Options {
 
 /// A renderer that has written itself for one scene. It can be used from several threads at once.
 pub struct Renderer {
-    options: Options,
-    tables: Tables,
-    device: Device,
+    pub(super) options: Options,
+    pub(super) tables: Tables,
+    pub(super) device: Device,
     /// Wall time of laying the scene out, without the tree.
     pub tables_time: Duration,
     /// Wall time of specialisation.
@@ -81,9 +82,19 @@ pub struct Renderer {
 }
 
 /// A device with its kernels.
-enum Device {
+pub(super) enum Device {
     Cpu(Wave),
-    CpuScalar(Box<Generated>),
+    CpuScalar(Arc<Generated>),
+}
+
+impl Device {
+    /// Kernels as [`DeviceKind::requests`] lists them.
+    pub(super) fn new(mut kernels: Vec<Arc<Generated>>, options: &Options) -> Device {
+        match options.device {
+            DeviceKind::Cpu => Device::Cpu(Wave::new(kernels, options.cut.slots)),
+            DeviceKind::CpuScalar => Device::CpuScalar(kernels.remove(0)),
+        }
+    }
 }
 
 /// Which samples to render.
@@ -153,11 +164,8 @@ impl Renderer {
         let tables = Tables::new(scene, &options.choices, options.known);
         let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
         let requests = options.device.requests(&tables, options.tracer);
-        let Kernels { mut kernels, specialize_time, codegen_time } = generate(&tables, &requests, options.keep)?;
-        let device = match options.device {
-            DeviceKind::Cpu => Device::Cpu(Wave::new(kernels, options.cut.slots)),
-            DeviceKind::CpuScalar => Device::CpuScalar(Box::new(kernels.remove(0))),
-        };
+        let Kernels { kernels, specialize_time, codegen_time } = generate(&tables, &requests, options.keep)?;
+        let device = Device::new(kernels, &options);
         Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
     }
 
@@ -167,10 +175,10 @@ impl Renderer {
     }
 
     /// The device's kernels, their residuals and reports, as [`DeviceKind::requests`] lists them.
-    pub fn kernels(&self) -> &[Generated] {
+    pub fn kernels(&self) -> &[Arc<Generated>] {
         match &self.device {
             Device::Cpu(wave) => wave.kernels(),
-            Device::CpuScalar(kernel) => std::slice::from_ref(&**kernel),
+            Device::CpuScalar(kernel) => std::slice::from_ref(kernel),
         }
     }
 

@@ -5,7 +5,7 @@
 //! are in flight.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use jerboa_backend_cranelift::Binding;
 use jerboa_ir::lang::{Buf, Col};
@@ -20,7 +20,7 @@ use crate::schema::{Frame, Hits, NONE, Next, Order, Paths, Shadows, binding};
 /// The device for one scene.
 pub struct Wave {
     /// As [`super::device::DeviceKind::requests`] lists them.
-    kernels: Vec<Generated>,
+    kernels: Vec<Arc<Generated>>,
     /// Paths in flight on each thread.
     slots: u32,
     /// Streams that no thread uses just now.
@@ -36,12 +36,12 @@ const SHADE: usize = 4;
 
 impl Wave {
     /// A device with so many paths in flight on each thread, at least 1.
-    pub fn new(kernels: Vec<Generated>, slots: u32) -> Wave {
+    pub fn new(kernels: Vec<Arc<Generated>>, slots: u32) -> Wave {
         Wave { kernels, slots, idle: Mutex::default() }
     }
 
     /// The kernels.
-    pub fn kernels(&self) -> &[Generated] {
+    pub fn kernels(&self) -> &[Arc<Generated>] {
         &self.kernels
     }
 

@@ -33,7 +33,8 @@ impl Known {
 
 /// Number the classes of every classed table, write them to column 0, and say what is known of each.
 pub fn classify(memory: &mut [Memory], known: Known) -> Facts {
-    let mut classes: Vec<Vec<u32>> = memory.iter().map(|m| vec![0; m.rows as usize]).collect();
+    let rows = |(spec, m): (&Spec, &Memory)| vec![0; if is_classed(spec) { m.rows as usize } else { 0 }];
+    let mut classes: Vec<Vec<u32>> = BUFFERS.iter().zip(&*memory).map(rows).collect();
     if known == Known::Nothing {
         return Facts::none();
     }
@@ -65,7 +66,7 @@ fn table(name: &str) -> usize {
 /// Class of each row, numbered by first occurrence.
 fn partition(b: usize, spec: &Spec, memory: &[Memory], classes: &[Vec<u32>], known: Known) -> Vec<u32> {
     if !is_classed(spec) {
-        return classes[b].clone();
+        return Vec::new();
     }
     let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
     let row_key = |row: &[u32]| -> Vec<u32> {

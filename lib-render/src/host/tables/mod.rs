@@ -17,6 +17,8 @@ pub mod classes;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
+use jerboa_ir::BufKind;
+use jerboa_ir::lang::Buf;
 use jerboa_peval::Facts;
 use jerboa_scenes::{Camera, Scene};
 
@@ -62,6 +64,33 @@ pub struct Tables {
     pub dropped: Dropped,
     /// Time spent on the tree.
     pub bvh_time: Duration,
+    /// Radius of the sphere around all triangles, m.
+    radius: f32,
+    /// Images whose texels are laid out, in their order.
+    images: Vec<usize>,
+}
+
+/// What a change replaced.
+pub struct Former {
+    memory: Vec<(usize, Memory)>,
+    facts: Facts,
+    images: Vec<usize>,
+}
+
+impl Former {
+    /// What was known.
+    pub fn facts(&self) -> &Facts {
+        &self.facts
+    }
+}
+
+/// How far a change of a scene reaches beyond materials, textures and settings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Change {
+    /// Which lights there are, or what they emit.
+    pub lights: bool,
+    /// Texels of images.
+    pub texels: bool,
 }
 
 impl Tables {
@@ -73,9 +102,9 @@ impl Tables {
         // Materials and what they look up.
         let mut textures = textures::Textures::new(scene);
         put(binding::<Materials>(), materials::materials(scene, &mut textures));
-        let (rows, texels) = textures.finish();
-        put(binding::<Textures>(), rows);
-        put(binding::<Texels>(), texels);
+        let images = textures.images().to_vec();
+        put(binding::<Texels>(), textures.texels());
+        put(binding::<Textures>(), textures.finish());
         put(binding::<SrgbCurve>(), textures::srgb_curve());
 
         // Triangles and their tree.
@@ -111,7 +140,58 @@ impl Tables {
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
         let facts = classes::classify(&mut memory, known);
-        Tables { memory, facts, origin, dropped: bvh.dropped, bvh_time }
+        Tables { memory, facts, origin, dropped: bvh.dropped, bvh_time, radius, images }
+    }
+
+    /// Lay out the same scene after a change of materials, textures or lights. Gives what was there.
+    pub fn change(&mut self, scene: &Scene, choices: &Choices, known: Known, change: Change) -> Former {
+        // Classes are numbered anew in every table that has them.
+        let classed = |b: &usize| schema::BUFFERS[*b].1 == BufKind::Table { classed: true };
+        let mut memory: Vec<(usize, Memory)> =
+            (0..schema::BUFFERS.len()).filter(classed).map(|b| (b, self.memory[b].clone())).collect();
+        let mut put = |binding: usize, m: Memory| {
+            memory.push((binding, std::mem::replace(&mut self.memory[binding], m)));
+        };
+        let mut textures = textures::Textures::new(scene);
+        put(binding::<Materials>(), materials::materials(scene, &mut textures));
+        let images = textures.images().to_vec();
+        if change.texels || images != self.images {
+            put(binding::<Texels>(), textures.texels());
+        }
+        put(binding::<Textures>(), textures.finish());
+        let mut count = None;
+        if change.lights {
+            let geometry = geometry::Geometry::new(scene);
+            let lights = lights::lights(scene, &geometry, self.radius);
+            put(binding::<Lights>(), lights.lights);
+            put(binding::<LightChoice>(), lights.choice);
+            put(binding::<Primitives>(), geometry.primitives(&lights.light_of));
+            count = Some(lights.count);
+        }
+        let former = &self.memory[binding::<Settings>()].words;
+        let count = count.unwrap_or(former[Settings::LIGHT_COUNT.0 as usize]);
+        self.memory[binding::<Settings>()] = settings(scene, choices, count);
+        let facts = classes::classify(&mut self.memory, known);
+        Former {
+            memory,
+            facts: std::mem::replace(&mut self.facts, facts),
+            images: std::mem::replace(&mut self.images, images),
+        }
+    }
+
+    /// Take a change back.
+    pub fn restore(&mut self, former: Former) {
+        // The first that was kept of a table is the oldest.
+        for (binding, memory) in former.memory.into_iter().rev() {
+            self.memory[binding] = memory;
+        }
+        (self.facts, self.images) = (former.facts, former.images);
+    }
+
+    /// Does this material emit?
+    pub fn is_emissive(&self, material: usize) -> bool {
+        let row = self.memory[binding::<Materials>()].words.chunks(Materials::COLUMNS.len()).nth(material);
+        row.is_some_and(|row| row[Materials::EMISSIVE.0 as usize] != 0)
     }
 }
 

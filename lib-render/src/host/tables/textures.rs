@@ -20,9 +20,12 @@ pub enum Encoding {
 pub struct Textures<'a> {
     scene: &'a Scene,
     table: Table<crate::schema::Textures>,
-    texels: Table<Texels>,
-    /// First texel of each image that is in use.
+    /// Images in use, in the order of their texels.
+    images: Vec<usize>,
+    /// First texel of each of them.
     offsets: HashMap<usize, u32>,
+    /// Texels so far.
+    count: u32,
     rows: HashMap<Key, u32>,
 }
 
@@ -38,7 +41,14 @@ struct Key {
 impl<'a> Textures<'a> {
     /// None yet.
     pub fn new(scene: &'a Scene) -> Self {
-        Textures { scene, table: Table::new(), texels: Table::new(), offsets: HashMap::new(), rows: HashMap::new() }
+        Textures {
+            scene,
+            table: Table::new(),
+            images: Vec::new(),
+            offsets: HashMap::new(),
+            count: 0,
+            rows: HashMap::new(),
+        }
     }
 
     /// The row of a use of a texture; row 0 for none (nothing reads it then).
@@ -83,21 +93,34 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// First texel of an image; the texels are copied at its first use.
+    /// First texel of an image.
     fn offset(&mut self, image: usize) -> u32 {
-        let (scene, texels) = (self.scene, &mut self.texels);
         *self.offsets.entry(image).or_insert_with(|| {
-            let first = texels.rows();
-            for rgba in &scene.images[image].rgba {
-                texels.push().set(Texels::RGBA, u32::from_le_bytes(*rgba));
-            }
+            let first = self.count;
+            self.images.push(image);
+            self.count += self.scene.images[image].rgba.len() as u32;
             first
         })
     }
 
-    /// The finished tables: textures and texels.
-    pub fn finish(self) -> (Memory, Memory) {
-        (self.table.finish(), self.texels.finish())
+    /// The images in use, in the order of their texels.
+    pub fn images(&self) -> &[usize] {
+        &self.images
+    }
+
+    /// The texels of the images in use.
+    pub fn texels(&self) -> Memory {
+        let texels = self.images.iter().flat_map(|image| &self.scene.images[*image].rgba);
+        let mut table = Table::<Texels>::new();
+        for rgba in texels {
+            table.push().set(Texels::RGBA, u32::from_le_bytes(*rgba));
+        }
+        table.finish()
+    }
+
+    /// The finished table of textures.
+    pub fn finish(self) -> Memory {
+        self.table.finish()
     }
 }
 
