@@ -56,7 +56,7 @@ impl Writing<'_, '_> {
         Ok(())
     }
 
-    pub(super) fn uniform(&mut self, x: NodeId) -> NodeId {
+    fn uniform(&mut self, x: NodeId) -> NodeId {
         match self.value(x) {
             Value::Uniform(node) => node,
             other => unreachable!("{other:?} decides a uniform choice"),
@@ -69,10 +69,15 @@ impl Writing<'_, '_> {
         let (before, alive) = (self.path_mut().mask(), self.path_mut().alive);
         let f = self.f;
         let all_come_through = !arms.iter().any(|arm| leaves(f, arm));
-        for (arm, mask) in arms.iter().zip(masks) {
+        // Cheap arms first, which are not skipped: what they pass needs no selection, and what others pass selects from it
+        // where they are not skipped either.
+        let mut order: Vec<(bool, usize)> = (0..arms.len()).map(|i| (!self.is_cheap(&arms[i]), i)).collect();
+        order.sort_unstable();
+        for (skippable, i) in order {
+            let (arm, mask) = (&arms[i], masks[i]);
             let all_of_arm = !leaves(f, arm);
             if !arm.is_empty() {
-                self.arm(block, arm, mask, all_come_through || all_of_arm)?;
+                self.arm(block, arm, mask, skippable, all_come_through || all_of_arm)?;
             }
             if !all_come_through && all_of_arm {
                 self.come_through(block, mask);
@@ -92,11 +97,18 @@ impl Writing<'_, '_> {
     }
 
     /// One arm, for the lanes of this mask.
-    pub(super) fn arm(&mut self, block: u32, arm: &[Step], mask: NodeId, all_come_through: bool) -> Result<(), Fault> {
+    fn arm(
+        &mut self,
+        block: u32,
+        arm: &[Step],
+        mask: NodeId,
+        skippable: bool,
+        all_come_through: bool,
+    ) -> Result<(), Fault> {
         self.places.push(Place { target: None, linear: true, waiting: Vec::new() });
         self.path_mut().set_mask(mask);
         self.path_mut().alive = false;
-        if !self.is_cheap(arm) {
+        if skippable {
             self.stay_alive();
         }
         self.steps(arm)?;
@@ -113,7 +125,7 @@ impl Writing<'_, '_> {
     }
 
     /// These lanes go on behind the choice.
-    pub(super) fn come_through(&mut self, block: u32, mask: NodeId) {
+    fn come_through(&mut self, block: u32, mask: NodeId) {
         let path = self.path.as_mut().expect("a path is under way");
         let mask = match path.env.get(&Var::Through(block)) {
             Some(others) => self.lanes.writer.or(others.nodes()[0], mask),
@@ -123,7 +135,7 @@ impl Writing<'_, '_> {
     }
 
     /// The lanes that take each arm.
-    pub(super) fn arm_masks(&mut self, block: u32) -> Vec<NodeId> {
+    fn arm_masks(&mut self, block: u32) -> Vec<NodeId> {
         let (p, f) = (self.lanes.p, self.f);
         let Block { cont, succs, .. } = &f.blocks[block as usize];
         let mask = self.path_mut().mask();
@@ -166,7 +178,7 @@ impl Writing<'_, '_> {
     }
 
     /// Is an arm so short that skipping it costs more? It has no effect and computes little.
-    pub(super) fn is_cheap(&self, arm: &[Step]) -> bool {
+    fn is_cheap(&self, arm: &[Step]) -> bool {
         let p = self.lanes.p;
         let mut nodes = 0;
         arm.iter().all(|step| match step {

@@ -180,7 +180,7 @@ impl Writing<'_, '_> {
         let function = w.w.cont_value(function);
         let call = |nodes: Vec<NodeId>| Body::Jump { callee: function, args: nodes, mode: Mode::Filter };
         if last && self.can_tail_call(&results) {
-            nodes.push(self.tail());
+            nodes.push(self.ret());
             let path = self.path.take().expect("a path is under way");
             self.lanes.writer.w.set_body(path.at, call(nodes), loc);
             return None;

@@ -131,7 +131,7 @@ impl<'a, 'p> Writing<'a, 'p> {
     }
 
     /// The parameters of a block are what was passed to it. Those of a header are set at the start of its round.
-    pub(super) fn enter(&mut self, block: u32) {
+    fn enter(&mut self, block: u32) {
         let cont = self.f.blocks[block as usize].cont;
         self.lanes.writer.loc = self.lanes.p.cont(cont).loc;
         if block == 0 || self.f.loops.is_header(block) {
@@ -193,7 +193,7 @@ impl<'a, 'p> Writing<'a, 'p> {
     }
 
     /// A block that returns, or goes on in one block.
-    pub(super) fn block(&mut self, block: u32) -> Result<(), Fault> {
+    fn block(&mut self, block: u32) -> Result<(), Fault> {
         let (p, f) = (self.lanes.p, self.f);
         let cont = f.blocks[block as usize].cont;
         let exit = Exit::of(p, cont)?;
@@ -213,7 +213,7 @@ impl<'a, 'p> Writing<'a, 'p> {
     }
 
     /// Return from the function.
-    pub(super) fn give_back(&mut self, values: Vec<Value>) {
+    fn give_back(&mut self, values: Vec<Value>) {
         if self.plan.flow.linear.contains(&Target::Return) {
             self.pass(Target::Return, values);
             return self.leave(Target::Return);
@@ -240,7 +240,7 @@ impl<'a, 'p> Writing<'a, 'p> {
         !self.plan.flow.linear.contains(&Target::Return) && self.plan.results == results
     }
 
-    pub(super) fn tail(&mut self) -> NodeId {
+    pub(super) fn ret(&self) -> NodeId {
         self.ret
     }
 

@@ -64,7 +64,7 @@ impl Writing<'_, '_> {
     }
 
     /// Behind divergent loops, a value that outlives them is what each lane had when it left.
-    pub(super) fn bring_back(&mut self, join: u32) {
+    fn bring_back(&mut self, join: u32) {
         let plan = self.plan.clone();
         let loops = &self.f.loops;
         for param in &plan.kept {
@@ -124,7 +124,7 @@ impl Writing<'_, '_> {
     }
 
     /// Go on if the mask holds for some lane; gives the other path.
-    pub(super) fn guard(&mut self, mask: NodeId) -> Path {
+    fn guard(&mut self, mask: NodeId) -> Path {
         let w = &mut self.lanes.writer;
         let loc = w.loc;
         let cond = w.w.prim(Op::Any, &[mask], loc);

@@ -72,7 +72,7 @@ impl Writing<'_, '_> {
     }
 
     /// What else changes in the rounds of a loop: the mask, who waits outside and with what, what is kept.
-    pub(super) fn changing(&self, header: u32) -> Vec<Var> {
+    fn changing(&self, header: u32) -> Vec<Var> {
         let plan = &self.plan;
         let mut vars = Vec::new();
         if plan.flow.divergent[header as usize] {
@@ -99,7 +99,7 @@ impl Writing<'_, '_> {
     }
 
     /// The value of what has not been set before a loop.
-    pub(super) fn unset(&mut self, var: Var) -> Value {
+    fn unset(&mut self, var: Var) -> Value {
         match var {
             Var::Mask | Var::Waiting(_) | Var::Through(_) => self.zero(Ty::bool(), Shape::Varying),
             Var::Kept(param) => self.zero(self.lanes.p.ty(param), Shape::Varying),

@@ -208,10 +208,18 @@ impl Writer {
     }
 
     fn pick(&mut self, mask: NodeId, a: NodeId, b: NodeId) -> NodeId {
-        match self.known_mask(mask) {
+        match (self.known_mask(mask), self.known_mask(a), self.known_mask(b)) {
             _ if a == b => a,
-            Some(known) => [b, a][known as usize],
-            None => self.w.prim(Op::Select, &[mask, a, b], self.loc),
+            (Some(known), ..) => [b, a][known as usize],
+            // Of masks, of which one is all or nothing.
+            (_, Some(true), _) => self.or(mask, b),
+            (_, Some(false), _) => self.without(b, mask),
+            (_, _, Some(false)) => self.and(mask, a),
+            (_, _, Some(true)) => {
+                let others = self.w.prim(Op::Not, &[mask], self.loc);
+                self.or(others, a)
+            }
+            _ => self.w.prim(Op::Select, &[mask, a, b], self.loc),
         }
     }
 
