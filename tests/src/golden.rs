@@ -50,6 +50,8 @@ pub const COMMANDS: &[Command] = &[
     ("tidy", tidy),
     // WIDTH, or `hint`: a residual with a loop over lanes for each `vectorize`.
     ("lanes", in_lanes),
+    // ENTRY LITERAL…: as `interp`, in lanes.
+    ("in-lanes", |input| run(Input { program: vector(&input.program, Width::Hint)?, ..input })),
 ];
 
 /// Run every `.ir` file below a folder, in the order of names. Returns the number of files, or all differences.
@@ -201,7 +203,6 @@ fn tidy(input: Input) -> Result<String, String> {
 }
 
 fn in_lanes(input: Input) -> Result<String, String> {
-    sound(verify_residual(&input.program))?;
     let width = match input.args[..] {
         ["hint"] => Width::Hint,
         ["4"] => Width::Lanes(4),
@@ -209,9 +210,14 @@ fn in_lanes(input: Input) -> Result<String, String> {
         ["16"] => Width::Lanes(16),
         _ => return Err("lanes hint|4|8|16".into()),
     };
-    let vector = lanes(&input.program, width).map_err(|e| e.to_string())?;
+    vector(&input.program, width).map(|p| print(&p))
+}
+
+fn vector(p: &Program, width: Width) -> Result<Program, String> {
+    sound(verify_residual(p))?;
+    let vector = lanes(p, width).map_err(|e| e.to_string())?;
     sound(verify_residual(&vector)).map_err(|faults| format!("{faults}{}", print(&vector)))?;
-    Ok(print(&vector))
+    Ok(vector)
 }
 
 fn sound(found: Vec<jerboa_ir::Fault>) -> Result<(), String> {

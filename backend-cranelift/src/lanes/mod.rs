@@ -88,7 +88,7 @@
 //! | tree | lane code |
 //! |---|---|
 //! | choice on a uniform value | a branch |
-//! | choice on a varying value | the arms one after the other, each under the mask of its lanes, skipped if it has none |
+//! | choice on a varying value | the arms one after the other, cheap ones first, each under the mask of its lanes; the others skipped if they have none |
 //! | exit from within an arm of such a choice | the lanes are noted in a mask, and go on where the exit leads when all others have come there |
 //! | loop that all lanes leave together | a loop |
 //! | loop that lanes leave in different rounds | a loop until no lane is left; a value that outlives it is kept as each lane leaves |
