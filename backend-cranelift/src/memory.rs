@@ -13,7 +13,7 @@ use jerboa_ir::schedule::Schedule;
 use jerboa_ir::{Body, BufId, BufKind, Column, Layout, Mem, Node, Program, Scalar};
 use rustc_hash::FxHashMap;
 
-use crate::abi::{LANES, POINTER, clif, data};
+use crate::abi::{LANES, POINTER, clif, data, part};
 use crate::pack;
 
 /// Bytes of a [`crate::Binding`], and where its number of rows is.
@@ -102,6 +102,8 @@ pub(crate) struct Buffers {
     distances: FxHashMap<(BufId, Value), Distance>,
     /// Distances to the rows of a part of indices, clamped to a last row or unchecked, for a stride. Likewise.
     gathered: FxHashMap<(Option<Value>, Value, u32), [Distance; LANES]>,
+    /// Four columns of a table by rows, at the rows of a part of indices. Likewise.
+    windows: FxHashMap<(Value, Option<Value>, Value, i32), [Value; LANES]>,
     /// Parts of last rows. Likewise.
     lasts: FxHashMap<Value, Value>,
 }
@@ -178,10 +180,29 @@ impl Buffers {
         })
     }
 
+    /// Four lanes of a column of a table by rows of four columns at least: its row of each lane is loaded at once with three
+    /// neighbours, which are there for whoever wants them next.
+    pub fn window(&mut self, b: &mut FunctionBuilder, words: &Words, indices: Value, unchecked: bool) -> Value {
+        let bytes = part(Scalar::F32).bytes() as i32;
+        let start = (words.offset / bytes * bytes).min(words.stride as i32 - bytes);
+        let last = if unchecked { None } else { Some(words.last) };
+        let key = (words.base, last, indices, start);
+        if !self.windows.contains_key(&key) {
+            let rows = self.distances(b, words, indices, unchecked).map(|distance| {
+                let row = words.at(b, distance).address;
+                let flags = MemFlagsData::new().with_notrap().with_readonly();
+                b.ins().load(part(Scalar::F32), flags, row, start)
+            });
+            self.windows.insert(key, pack::transposed(b, rows));
+        }
+        self.windows[&key][((words.offset - start) / 4) as usize]
+    }
+
     /// Another block begins: what was made in this one may not dominate it.
     pub fn begin_block(&mut self) {
         self.distances.clear();
         self.gathered.clear();
+        self.windows.clear();
         self.lasts.clear();
     }
 }

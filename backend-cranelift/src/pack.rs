@@ -88,6 +88,14 @@ pub(crate) fn shuffle(b: &mut FunctionBuilder, x: Value, y: Value, lanes: [usize
     cast(b, ty, shuffled)
 }
 
+/// The columns of four rows.
+pub(crate) fn transposed(b: &mut FunctionBuilder, rows: [Value; LANES]) -> [Value; LANES] {
+    let [first, second] =
+        [[0, 4, 1, 5], [2, 6, 3, 7]].map(|lanes| [0, 2].map(|row| shuffle(b, rows[row], rows[row + 1], lanes)));
+    let [low, high] = [[0, 1, 4, 5], [2, 3, 6, 7]];
+    [(first, low), (first, high), (second, low), (second, high)].map(|([x, y], lanes)| shuffle(b, x, y, lanes))
+}
+
 /// The same bits as another type of as many.
 pub(crate) fn cast(b: &mut FunctionBuilder, ty: Type, x: Value) -> Value {
     if b.func.dfg.value_type(x) == ty {

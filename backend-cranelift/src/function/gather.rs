@@ -21,8 +21,14 @@ impl Emitter<'_> {
         flags: MemFlagsData,
     ) -> Vec<Value> {
         let one = |(at, indices): (usize, &Value)| {
-            let distances = self.buffers.distances(&mut self.b, &words, *indices, unchecked);
             let there = LANES.min(lanes - at * LANES);
+            // A lane that is not there may have any index, and only a table stays as it is.
+            if flags.readonly() && words.stride >= 16 && (there == LANES || !unchecked) {
+                let gathered = self.buffers.window(&mut self.b, &words, *indices, unchecked);
+                let gathered = pack::cast(&mut self.b, part(scalar), gathered);
+                return vector::of_words(&mut self.b, scalar, gathered);
+            }
+            let distances = self.buffers.distances(&mut self.b, &words, *indices, unchecked);
             let places: Vec<Place> = distances[..there].iter().map(|d| words.at(&mut self.b, *d)).collect();
             let gathered = pack::loaded(&mut self.b, part(scalar), flags, &places);
             vector::of_words(&mut self.b, scalar, gathered)

@@ -275,6 +275,35 @@ fun f(i: u32, j: u32, mask: boolx8, return: fn(f32x8, boolx8, f32x8, f32x8))
     }
 }
 
+/// Columns of a table by rows come with their neighbours, of any width of row.
+#[test]
+fn gathers_of_whole_rows() {
+    for (columns, lanes) in [(3, 4), (4, 4), (5, 8), (6, 5), (7, 8), (9, 16)] {
+        let kinds = ["f32", "u32", "bool"];
+        let list =
+            |f: &dyn Fn(usize) -> String, separator: &str| (0..columns).map(f).collect::<Vec<_>>().join(separator);
+        let p = residual(&format!(
+            "table t by rows\n{}\nentry f = f\nfun f(at: u32x{lanes}, return: fn({}, f32x{lanes}))\n{}
+  last = pack {}
+  near = and at last
+  load unchecked t.c0 near -> got
+  rest got(safe: f32x{lanes})
+  jump return({}, safe)\n",
+            list(&|c| format!("  c{c}: {} bulk", kinds[c % 3]), "\n"),
+            list(&|c| format!("{}x{lanes}", kinds[c % 3]), ", "),
+            list(&|c| format!("  x{c} = read t.c{c} at"), "\n"),
+            vec!["3u"; lanes].join(" "),
+            list(&|c| format!("x{c}"), ", "),
+        ));
+        let words = (0..columns as u32 * 4).map(|i| if i % 4 == 0 { 0 } else { (i * 0x2f1_3077) & 0x3fff_ffff });
+        let memory = [memory(4, words)];
+        for step in [0, 1, 5, 1 << 29] {
+            let at: Vec<Lit> = (0..lanes as u32).map(|l| Lit::U32(l.wrapping_mul(step) % 7)).collect();
+            agree(&p, "f", &at, &memory);
+        }
+    }
+}
+
 /// Lanes that are not under the mask are not even written as they were: another thread may write there. Here it is memory
 /// that nobody may write, so that a mistake ends the process.
 #[cfg(target_os = "linux")]
