@@ -132,6 +132,12 @@ macro_rules! numeric {
 numeric! { F32 I32 U32 }
 
 impl<const N: usize> Vector<F32, N> {
+    /// Element by element: see [`F32::fma`].
+    #[track_caller]
+    pub fn fma(self, a: Self, c: Self) -> Self {
+        Vector::make(Op::Fma, &[self.0, a.0, c.0], here())
+    }
+
     /// Element by element: see [`F32::bits`].
     #[track_caller]
     pub fn bits(self) -> Vector<U32, N> {
