@@ -6,18 +6,19 @@
 //! JERBOA_RAYS=10000000 cargo test --release -p jerboa-tests --test values -- --nocapture
 //! ```
 
-use jerboa_ir::lang::{Bool, Col, F32, Fun, Keep, U32, entry};
+use jerboa_ir::lang::{Bool, F32, Fun, Keep, U32, entry};
 use jerboa_lib_render::core::fresnel::fresnel_dielectric;
 use jerboa_lib_render::core::microfacet::ggx_d;
 use jerboa_lib_render::core::onb::onb;
 use jerboa_lib_render::core::sampling::*;
 use jerboa_lib_render::core::vec::{Vec3, vec2, vec3};
-use jerboa_lib_render::host::bvh::{Bounds, BvhNode, ChildRef};
+use jerboa_lib_render::host::bvh::Bvh;
 use jerboa_lib_render::ray::{Hit, Ray};
-use jerboa_lib_render::schema::{NONE, Nodes, Triangles};
+use jerboa_lib_render::schema::NONE;
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 use jerboa_tests::harness::bench::{Bench, Random, number};
 use jerboa_tests::harness::functions::fold;
+use jerboa_tests::harness::rays::load;
 use jerboa_tests::harness::sweep::{Left, Right, Sweep};
 
 /// f at each argument.
@@ -59,15 +60,7 @@ fn bench() -> Bench {
 }
 
 fn place(bench: &mut Bench, corners: [[f32; 3]; 3]) {
-    let node = BvhNode {
-        bounds: [Bounds::of(&corners), Bounds::EMPTY],
-        child: [ChildRef::Leaf { first: 0, count: 1 }, ChildRef::EMPTY].map(ChildRef::encode),
-    };
-    bench.rows::<Nodes>(1);
-    node.words().into_iter().enumerate().for_each(|(c, word)| bench.set(Col::<Nodes, ()>::new(c as u32), 0, word));
-    bench.rows::<Triangles>(1);
-    let corners = corners.concat();
-    corners.into_iter().enumerate().for_each(|(c, x)| bench.set(Col::<Triangles, ()>::new(c as u32), 0, x));
+    load(bench, &Bvh::build(&[corners]), &[corners]);
 }
 
 /// T18: t, u, v and the point of a hit, in units of 2^-23 of the largest coordinate as the ray's origin sees it, times

@@ -1,4 +1,4 @@
-//! Tables of shapes: triangles for shading and for intersection, attributes of vertices, and the tree of boxes.
+//! Tables of shapes: triangles for shading, attributes of vertices, and the tree of boxes with triangles for intersection.
 
 use jerboa_ir::table;
 
@@ -99,65 +99,9 @@ table! {
 }
 
 table! {
-    /// Inner nodes of the BVH: the boxes of both children and where they are. See `host::bvh` for the encoding of a child.
-    pub Nodes {
-        /// Lower corner of child 0.
-        LO0_X: F32, bulk;
-        /// See [`Nodes::LO0_X`].
-        LO0_Y: F32, bulk;
-        /// See [`Nodes::LO0_X`].
-        LO0_Z: F32, bulk;
-        /// Upper corner of child 0.
-        HI0_X: F32, bulk;
-        /// See [`Nodes::HI0_X`].
-        HI0_Y: F32, bulk;
-        /// See [`Nodes::HI0_X`].
-        HI0_Z: F32, bulk;
-        /// Lower corner of child 1.
-        LO1_X: F32, bulk;
-        /// See [`Nodes::LO1_X`].
-        LO1_Y: F32, bulk;
-        /// See [`Nodes::LO1_X`].
-        LO1_Z: F32, bulk;
-        /// Upper corner of child 1.
-        HI1_X: F32, bulk;
-        /// See [`Nodes::HI1_X`].
-        HI1_Y: F32, bulk;
-        /// See [`Nodes::HI1_X`].
-        HI1_Z: F32, bulk;
-        /// Child 0.
-        CHILD0: U32, bulk;
-        /// Child 1.
-        CHILD1: U32, bulk;
-        /// Unused: keeps a node at 64 bytes.
-        PAD0: U32, bulk;
-        /// Unused.
-        PAD1: U32, bulk;
-    }
-}
-
-table! {
-    /// Triangles in the order of the BVH's leaves, for intersection.
-    pub Triangles {
-        /// First corner.
-        P0_X: F32, bulk;
-        /// See [`Triangles::P0_X`].
-        P0_Y: F32, bulk;
-        /// See [`Triangles::P0_X`].
-        P0_Z: F32, bulk;
-        /// Second corner.
-        P1_X: F32, bulk;
-        /// See [`Triangles::P1_X`].
-        P1_Y: F32, bulk;
-        /// See [`Triangles::P1_X`].
-        P1_Z: F32, bulk;
-        /// Third corner.
-        P2_X: F32, bulk;
-        /// See [`Triangles::P2_X`].
-        P2_Y: F32, bulk;
-        /// See [`Triangles::P2_X`].
-        P2_Z: F32, bulk;
-        /// Number of the primitive, a row of [`Primitives`].
-        PRIMITIVE: U32, bulk;
+    /// The tree of boxes with the triangles in its leaves, for intersection: see `host::bvh` for what its words are.
+    pub Tree {
+        /// The bits of a coordinate, a reference, or the number of a primitive.
+        WORD: U32, bulk;
     }
 }

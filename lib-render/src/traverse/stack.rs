@@ -4,7 +4,7 @@ use jerboa_ir::lang::{Array, Block, F32, U32};
 
 use crate::traverse::bvh::Child;
 
-/// Entries: a walk leaves at most one child behind per level, and no tree is deeper than 60 (`host::bvh`).
+/// Entries: in no tree do more children wait (`host::bvh`).
 pub const STACK_SIZE: u32 = 64;
 
 /// A stack in local memory. Its height travels with the walk.

@@ -23,6 +23,7 @@ pub mod bench;
 pub mod clock;
 pub mod hostile;
 pub mod metamorphic;
+pub mod brute;
 pub mod naive;
 pub mod lights;
 pub mod functions;

@@ -1,15 +1,10 @@
 //! Intersection as it is often written: what the robust parts of the renderer are measured against, in holes and in time.
 //! Only tests use it.
 
-use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, Exit, F32, Keep, Row, U32, never};
-use jerboa_lib_render::core::vec::{Vec3, vec3};
-use jerboa_lib_render::ray::{Hit, Ray};
-use jerboa_lib_render::schema::{Settings, Triangles};
-use jerboa_lib_render::traverse::bvh::{Bounds, Child, Slabs, Span, read_children};
-use jerboa_lib_render::traverse::stack::Stack;
-use jerboa_lib_render::traverse::triangle::{Shear, read_corners};
-use jerboa_lib_render::traverse::{AcceptFn, TraverseFn};
+use jerboa_lib_render::traverse::bvh::{Span, span};
+use jerboa_lib_render::traverse::line::Line;
+use jerboa_lib_render::traverse::triangle::{Corners, Meeting, meet};
+use jerboa_lib_render::traverse::{Bool4, F32x4, Tests, TraverseFn, make_traverse_with};
 
 /// A test of boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,218 +34,107 @@ pub enum TriangleTest {
     MoellerTrumbore,
 }
 
-/// A traversal made of these parts, otherwise the renderer's. Assumes a usable ray.
+/// The renderer's traversal made of these parts.
 pub fn make_traverse(boxes: BoxTest, triangles: TriangleTest) -> TraverseFn {
-    TraverseFn::rec(
-        "traverse",
-        |_| never(),
-        move |b: &mut Block, _, (ray, Keep(any_hit), accept): (Ray, Keep<Bool>, AcceptFn)| {
-            let slabs = Slabs::new(ray);
-            let lines = Lines::new(ray);
-            let stack = Stack::new(b);
-            Walk { boxes, triangles, ray, any_hit, accept, slabs, shear: Shear::new(ray), lines, stack }.run(b)
-        },
-    )
-}
-
-/// A ray made ready for boxes, without room.
-#[derive(Clone, Copy)]
-struct Lines {
-    org: Vec3,
-    inv: Vec3,
-    /// o · (1/d)
-    start: Vec3,
-}
-impl_staged!(Lines { org, inv, start });
-
-impl Lines {
-    fn new(ray: Ray) -> Lines {
-        let inv = ray.dir.map(|d| 1.0 / d);
-        Lines { org: ray.org, inv, start: ray.org.zip(inv, |o, i| o * i) }
-    }
-
-    fn span(self, test: BoxTest, Bounds { lo, hi }: Bounds) -> Span {
-        let (lo, hi) = match test {
-            BoxTest::Precomputed => (self.via_start(lo), self.via_start(hi)),
-            _ => (self.via_origin(lo), self.via_origin(hi)),
-        };
-        let (near, far) = match test {
-            BoxTest::Unordered => (lo.zip(hi, F32::min), lo.zip(hi, F32::max)),
-            _ => {
-                let ordered = |a: Vec3, b: Vec3| {
-                    let pick = |inv: F32, a: F32, b: F32| inv.lt(0.0).select(b, a);
-                    vec3(pick(self.inv.x, a.x, b.x), pick(self.inv.y, a.y, b.y), pick(self.inv.z, a.z, b.z))
-                };
-                (ordered(lo, hi), ordered(hi, lo))
-            }
-        };
-        // Unordered as it is mostly written: the accumulator first, so that NaN stays.
-        match test {
-            BoxTest::Unordered => Span {
-                entry: F32::from(0.0).max(near.x).max(near.y).max(near.z),
-                exit: F32::from(f32::INFINITY).min(far.x).min(far.y).min(far.z),
-            },
-            _ => Span {
-                entry: near.z.max(near.y.max(near.x.max(0.0))),
-                exit: far.z.min(far.y.min(far.x.min(f32::INFINITY))),
-            },
-        }
-    }
-
-    fn via_origin(self, plane: Vec3) -> Vec3 {
-        (plane - self.org).zip(self.inv, |distance, inv| distance * inv)
-    }
-
-    fn via_start(self, plane: Vec3) -> Vec3 {
-        plane.zip(self.inv, |p, inv| p * inv) - self.start
-    }
-}
-
-/// `lib-render`'s walk over interchangeable parts.
-#[derive(Clone, Copy)]
-struct Walk {
-    boxes: BoxTest,
-    triangles: TriangleTest,
-    ray: Ray,
-    any_hit: Bool,
-    accept: AcceptFn,
-    slabs: Slabs,
-    shear: Shear,
-    lines: Lines,
-    stack: Stack,
-}
-
-impl Walk {
-    fn run(self, b: &mut Block) -> Hit {
-        let start = (Child::root(), U32::from(0), Hit::miss(self.ray.tmax));
-        b.loop_(start, |b, (child, top, best), go_on, done| {
-            let leaf = |b: &mut Block| (Child::nothing(), top, self.leaf(b, child, best, done));
-            let inner = |b: &mut Block| {
-                let (child, top) = self.inner(b, child, top, best);
-                (child, top, best)
-            };
-            let (child, top, best) = b.if_(child.is_leaf(), leaf, inner);
-            let pop = |b: &mut Block| {
-                let (child, top) = self.stack.pop(b, top, best.t);
-                b.branch(child.is_nothing(), |b| done.take(b, best), |b| go_on.take(b, (child, top, best)))
-            };
-            b.branch(child.is_nothing(), pop, |b| go_on.take(b, (child, top, best)))
-        })
-    }
-
-    fn inner(self, b: &mut Block, node: Child, top: U32, best: Hit) -> (Child, U32) {
-        let [first, second] = read_children(b, node).map(|(bounds, child)| {
-            let span = match self.boxes {
-                BoxTest::Padded => self.slabs.span(bounds),
-                test => self.lines.span(test, bounds),
-            };
-            (child, span.entry, span.entry.le(span.exit.min(best.t)))
-        });
-        let both = |b: &mut Block| {
-            let swap = second.1.lt(first.1);
-            let near = swap.select(second.0, first.0);
-            let (far, entry) = swap.select((first.0, first.1), (second.0, second.1));
-            (near, self.stack.push(b, top, far, entry))
-        };
-        let one = |_: &mut Block| (first.2.select(first.0, second.2.select(second.0, Child::nothing())), top);
-        b.if_(first.2 & second.2, both, one)
-    }
-
-    fn leaf(self, b: &mut Block, leaf: Child, best: Hit, done: Exit<Hit>) -> Hit {
-        let (first, end) = leaf.slots();
-        let more = |_: &mut Block, (slot, _): (U32, Hit)| slot.lt(end);
-        let step = |b: &mut Block, (slot, best): (U32, Hit)| {
-            let best = self.triangle(b, slot, best);
-            b.when(self.any_hit & best.is_hit(), |b| done.take(b, best));
-            (slot + 1u32, best)
-        };
-        b.while_((first, best), more, step).1
-    }
-
-    fn triangle(self, b: &mut Block, slot: U32, best: Hit) -> Hit {
-        let corners = read_corners(b, slot);
-        let consider = |b: &mut Block, primitive: U32, hit: Hit, counts: Bool| {
-            let Ray { skip, skip1, skip2, .. } = self.ray;
-            let skipped = primitive.eq(skip) | primitive.eq(skip1) | primitive.eq(skip2);
-            let closer = hit.t.lt(best.t) | (hit.t.eq(best.t) & primitive.lt(best.primitive));
-            let wins = counts & !skipped & hit.t.lt(self.ray.tmax) & closer;
-            b.if_(wins, |b| self.is_accepted(b, hit).select(hit, best), |_| best)
-        };
-        let number = |b: &mut Block| b.read_unchecked::<Triangles, U32>(Triangles::PRIMITIVE, slot);
-        match self.triangles {
-            TriangleTest::Watertight => {
-                let edges = self.shear.edges(self.ray, corners);
-                let meets = |b: &mut Block| {
-                    let primitive = number(b);
-                    let (hit, counts) = edges.hit(self.slabs, corners, primitive);
-                    consider(b, primitive, hit, counts)
-                };
-                b.if_(edges.is_inside(), meets, |_| best)
-            }
-            TriangleTest::MoellerTrumbore => {
-                let (inside, t, u, v) = moeller_trumbore(self.ray, corners);
-                let meets = |b: &mut Block| {
-                    let primitive = number(b);
-                    consider(b, primitive, Hit { primitive, t, u, v }, is_ahead(t))
-                };
-                b.if_(inside, meets, |_| best)
-            }
-            test => {
-                let (weights, z) = woop(self.ray, corners, test == TriangleTest::Contracted);
-                let negative = weights.x.lt(0.0) | weights.y.lt(0.0) | weights.z.lt(0.0);
-                let positive = weights.x.gt(0.0) | weights.y.gt(0.0) | weights.z.gt(0.0);
-                let meets = |b: &mut Block| {
-                    let primitive = number(b);
-                    let sum = weights.x + weights.y + weights.z;
-                    let w = weights / sum;
-                    let t = match test {
-                        TriangleTest::LateDivision => weights.dot(z) / sum,
-                        _ => w.dot(z),
-                    };
-                    consider(b, primitive, Hit { primitive, t, u: w.y, v: w.z }, sum.ne(0.0) & is_ahead(t))
-                };
-                b.if_(!(negative & positive), meets, |_| best)
-            }
-        }
-    }
-
-    fn is_accepted(self, b: &mut Block, hit: Hit) -> Bool {
-        let has_cutouts = Row::at(0u32).get(Settings::HAS_CUTOUTS);
-        b.if_(has_cutouts, |b| self.accept.call(b, (self.ray, hit)), |_| Bool::from(true))
-    }
-}
-
-fn is_ahead(t: F32) -> Bool {
-    t.gt(0.0) & t.lt(f32::INFINITY)
-}
-
-/// Is it inside; t, u, v.
-fn moeller_trumbore(ray: Ray, [a, b, c]: [Vec3; 3]) -> (Bool, F32, F32, F32) {
-    let (e1, e2) = (b - a, c - a);
-    let p = ray.dir.cross(e2);
-    let inv = 1.0 / e1.dot(p);
-    let s = ray.org - a;
-    let u = s.dot(p) * inv;
-    let q = s.cross(e1);
-    let v = ray.dir.dot(q) * inv;
-    (u.ge(0.0) & v.ge(0.0) & (u + v).le(1.0), e2.dot(q) * inv, u, v)
-}
-
-/// Edge functions, and t of each corner.
-fn woop(ray: Ray, corners: [Vec3; 3], contracted: bool) -> (Vec3, Vec3) {
-    let d = ray.dir.abs();
-    let x_is_last = d.x.ge(d.y) & d.x.ge(d.z);
-    let y_is_last = !x_is_last & d.y.ge(d.z);
-    let cycle = |v: Vec3| x_is_last.select(vec3(v.y, v.z, v.x), y_is_last.select(vec3(v.z, v.x, v.y), v));
-    let d = cycle(ray.dir);
-    let (shear_x, shear_y, scale) = (d.x / d.z, d.y / d.z, 1.0 / d.z);
-    let [a, b, c] = corners.map(|p| {
-        let to = cycle(p - ray.org);
-        vec3(to.x - shear_x * to.z, to.y - shear_y * to.z, scale * to.z)
-    });
-    let edge = |p: Vec3, q: Vec3| match contracted {
-        true => p.x.fma(q.y, -(p.y * q.x)),
-        false => p.x * q.y - p.y * q.x,
+    let span = match boxes {
+        BoxTest::Padded => span,
+        BoxTest::Plain => |line, near, far| Planes::via_origin(line, near, far).ordered(),
+        BoxTest::Unordered => |line, near, far| Planes::via_origin(line, near, far).unordered(),
+        BoxTest::Precomputed => |line, near, far| Planes::via_start(line, near, far).ordered(),
     };
-    (vec3(edge(c, b), edge(a, c), edge(b, a)), vec3(a.z, b.z, c.z))
+    let meet = match triangles {
+        TriangleTest::Watertight => meet,
+        TriangleTest::Woop => |line, corners| woop(line, corners, false, false),
+        TriangleTest::Contracted => |line, corners| woop(line, corners, true, false),
+        TriangleTest::LateDivision => |line, corners| woop(line, corners, false, true),
+        TriangleTest::MoellerTrumbore => moeller_trumbore,
+    };
+    make_traverse_with(Tests { span, meet })
+}
+
+/// Where a ray meets the planes of boxes, by axis.
+struct Planes {
+    near: [F32x4; 3],
+    far: [F32x4; 3],
+}
+
+impl Planes {
+    fn via_origin(line: Line, near: [F32x4; 3], far: [F32x4; 3]) -> Planes {
+        let times = |planes: [F32x4; 3]| std::array::from_fn(|k| (planes[k] - line.org[k]) * line.inv[k]);
+        Planes { near: times(near), far: times(far) }
+    }
+
+    fn via_start(line: Line, near: [F32x4; 3], far: [F32x4; 3]) -> Planes {
+        let times = |planes: [F32x4; 3]| std::array::from_fn(|k| planes[k] * line.inv[k] - line.org[k] * line.inv[k]);
+        Planes { near: times(near), far: times(far) }
+    }
+
+    fn ordered(self) -> Span {
+        let Planes { near: [nx, ny, nz], far: [fx, fy, fz] } = self;
+        Span { entry: nz.max(ny.max(nx.max(zero()))), exit: fz.min(fy.min(fx.min(F32x4::splat(f32::INFINITY)))) }
+    }
+
+    /// As it is mostly written: the accumulator first, so that NaN stays.
+    fn unordered(self) -> Span {
+        let [nx, ny, nz] = std::array::from_fn(|k| self.near[k].min(self.far[k]));
+        let [fx, fy, fz] = std::array::from_fn(|k| self.near[k].max(self.far[k]));
+        Span { entry: zero().max(nx).max(ny).max(nz), exit: F32x4::splat(f32::INFINITY).min(fx).min(fy).min(fz) }
+    }
+}
+
+fn zero() -> F32x4 {
+    F32x4::splat(0.0)
+}
+
+fn is_ahead(t: F32x4) -> Bool4 {
+    t.gt(zero()) & t.lt(F32x4::splat(f32::INFINITY))
+}
+
+fn sub(a: [F32x4; 3], b: [F32x4; 3]) -> [F32x4; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn cross(a: [F32x4; 3], b: [F32x4; 3]) -> [F32x4; 3] {
+    std::array::from_fn(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
+}
+
+fn dot(a: [F32x4; 3], b: [F32x4; 3]) -> F32x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Along the direction whose third coordinate is 1; a cyclic order of axes changes no product.
+fn moeller_trumbore(line: Line, [a, b, c]: Corners) -> Meeting {
+    let one = F32x4::splat(1.0);
+    let dir = [line.shear[0], line.shear[1], one];
+    let (e1, e2) = (sub(b, a), sub(c, a));
+    let p = cross(dir, e2);
+    let inv = one / dot(e1, p);
+    let s = sub(line.org, a);
+    let u = dot(s, p) * inv;
+    let q = cross(s, e1);
+    let v = dot(dir, q) * inv;
+    let t = dot(e2, q) * inv * line.shear[2];
+    Meeting { is_inside: u.ge(zero()) & v.ge(zero()) & (u + v).le(one), counts: is_ahead(t), t, u, v }
+}
+
+fn woop(line: Line, corners: Corners, contracted: bool, late: bool) -> Meeting {
+    let [a, b, c] = corners.map(|p| {
+        let [x, y, z] = sub(p, line.org);
+        [x - line.shear[0] * z, y - line.shear[1] * z, line.shear[2] * z]
+    });
+    let edge = |p: [F32x4; 3], q: [F32x4; 3]| match contracted {
+        true => p[0].fma(q[1], zero() - p[1] * q[0]),
+        false => p[0] * q[1] - p[1] * q[0],
+    };
+    let weights = [edge(c, b), edge(a, c), edge(b, a)];
+    let [x, y, z] = weights;
+    let negative = x.lt(zero()) | y.lt(zero()) | z.lt(zero());
+    let positive = x.gt(zero()) | y.gt(zero()) | z.gt(zero());
+    let sum = x + y + z;
+    let shares = weights.map(|w| w / sum);
+    let ts = [a[2], b[2], c[2]];
+    let t = if late { dot(weights, ts) / sum } else { dot(shares, ts) };
+    let is_inside = (negative & positive).select(Bool4::splat(false), Bool4::splat(true));
+    let counts = (sum.lt(zero()) | sum.gt(zero())) & is_ahead(t);
+    Meeting { is_inside, counts, t, u: shares[1], v: shares[2] }
 }

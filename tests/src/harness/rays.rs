@@ -3,13 +3,11 @@
 //! A row of [`SHAPES`], [`AIMS`] or [`PLACES`] adds a shape, a way to aim or a place to every test of what rays hit. All
 //! rays start inside their shape, so a ray that hits nothing has found a hole.
 
-use jerboa_ir::lang::{Block, Bool, Col, Fun, Keep, U32, entry};
+use jerboa_ir::lang::{Bool, Fun, Keep, entry};
 use jerboa_lib_render::host::bvh::{Bounds, Bvh, BvhNode, ChildRef, Triangle};
 use jerboa_lib_render::host::tables::plane::Plane;
 use jerboa_lib_render::ray::{Hit, Ray};
-use jerboa_lib_render::schema::{NONE, Nodes, Triangles};
-use jerboa_lib_render::traverse::bvh::Slabs;
-use jerboa_lib_render::traverse::triangle::{Shear, read_corners};
+use jerboa_lib_render::schema::{NONE, Primitives, Tree as Words, Vertices};
 use jerboa_lib_render::traverse::{AcceptFn, TraverseFn};
 
 use super::bench::{Bench, Random};
@@ -198,7 +196,7 @@ pub struct Tree {
 pub const TREES: [Tree; 3] = [
     Tree { name: "as built", build: |_, triangles| Bvh::build(triangles) },
     Tree { name: "of shuffled triangles", build: shuffled },
-    Tree { name: "halved by number", build: |_, triangles| by_number(triangles) },
+    Tree { name: "quartered by number", build: |_, triangles| by_number(triangles) },
 ];
 
 fn shuffled(random: &mut Random, triangles: &[Triangle]) -> Bvh {
@@ -217,42 +215,40 @@ fn by_number(triangles: &[Triangle]) -> Bvh {
     let mut bvh = Bvh::build(triangles);
     bvh.order.sort_unstable();
     bvh.nodes.clear();
-    if let leaf @ ChildRef::Leaf { .. } = halve(&mut bvh.nodes, &bvh.order, triangles, 0) {
-        let child = [leaf, ChildRef::EMPTY].map(ChildRef::encode);
-        bvh.nodes.push(BvhNode { bounds: [bvh.bounds, Bounds::EMPTY], child });
-    }
+    quarter(&mut bvh.nodes, &bvh.order, triangles, 0);
     bvh
 }
 
-fn halve(nodes: &mut Vec<BvhNode>, order: &[u32], triangles: &[Triangle], first: u32) -> ChildRef {
-    if order.len() <= 2 {
-        return ChildRef::Leaf { first, count: order.len() as u32 };
-    }
+fn quarter(nodes: &mut Vec<BvhNode>, order: &[u32], triangles: &[Triangle], first: u32) -> ChildRef {
     let index = nodes.len();
-    nodes.push(BvhNode { bounds: [Bounds::EMPTY; 2], child: [0; 2] });
-    let (left, right) = order.split_at(order.len() / 2);
-    let bounds = |part: &[u32]| part.iter().fold(Bounds::EMPTY, |b, n| b.union(&Bounds::of(&triangles[*n as usize])));
-    let bounds = [bounds(left), bounds(right)];
-    let starts = [(left, first), (right, first + left.len() as u32)];
-    let child = starts.map(|(part, first)| halve(nodes, part, triangles, first).encode());
-    nodes[index] = BvhNode { bounds, child };
+    nodes.push(BvhNode::EMPTY);
+    let mut node = BvhNode::EMPTY;
+    let mut first = first;
+    for (lane, part) in order.chunks(order.len().div_ceil(4).max(1)).enumerate() {
+        let bounds = part.iter().fold(Bounds::EMPTY, |b, n| b.union(&Bounds::of(&triangles[*n as usize])));
+        let count = part.len() as u32;
+        let leaf = ChildRef::Leaf { first, count };
+        node.bounds[lane] = bounds;
+        node.child[lane] = if part.len() <= 2 { leaf } else { quarter(nodes, part, triangles, first) };
+        first += count;
+    }
+    nodes[index] = node;
     ChildRef::Inner(index as u32)
 }
 
-/// Put a tree on the bench.
+/// Put a tree on the bench, and its triangles for brute force.
 pub fn load(bench: &mut Bench, bvh: &Bvh, triangles: &[Triangle]) {
-    bench.rows::<Nodes>(bvh.nodes.len());
-    for (row, node) in bvh.nodes.iter().enumerate() {
-        for (column, word) in node.words().into_iter().enumerate() {
-            bench.set(Col::<Nodes, ()>::new(column as u32), row, word);
-        }
-    }
-    bench.rows::<Triangles>(bvh.order.len().max(1));
+    let words = bvh.words(triangles);
+    bench.rows::<Words>(words.len());
+    words.into_iter().enumerate().for_each(|(row, word)| bench.set(Words::WORD, row, word));
+    bench.rows::<Primitives>(bvh.order.len().max(1));
+    bench.rows::<Vertices>(3 * bvh.order.len().max(1));
     for (slot, &number) in bvh.order.iter().enumerate() {
-        for (column, x) in triangles[number as usize].concat().into_iter().enumerate() {
-            bench.set(Col::<Triangles, ()>::new(column as u32), slot, x);
+        bench.set(Primitives::I0, slot, number);
+        for (k, corner) in triangles[number as usize].iter().enumerate() {
+            let columns = [Vertices::X, Vertices::Y, Vertices::Z];
+            columns.into_iter().zip(corner).for_each(|(column, x)| bench.set(column, 3 * slot + k, *x));
         }
-        bench.set(Triangles::PRIMITIVE, slot, number);
     }
 }
 
@@ -267,25 +263,4 @@ pub fn declare_traversal(traverse: TraverseFn) {
     let kind = |any: bool| Fun::<Ray, Hit>::lam(move |b, ray| traverse.call(b, (ray, Keep(Bool::from(any)), all)));
     entry("nearest", kind(false));
     entry("any", kind(true));
-}
-
-/// Declares the kernel `brute`: (ray; number of slots) → the nearest hit of all triangles, tried one by one without any
-/// tree, ties to the smaller number. Skips nothing.
-pub fn declare_brute_force() {
-    entry(
-        "brute",
-        Fun::<(Ray, U32), Hit>::lam(|b, (ray, slots)| {
-            let (slabs, shear) = (Slabs::new(ray), Shear::new(ray));
-            let step = |b: &mut Block, (slot, best): (U32, Hit)| {
-                let corners = read_corners(b, slot);
-                let primitive = b.read_unchecked(Triangles::PRIMITIVE, slot);
-                let edges = shear.edges(ray, corners);
-                let (hit, counts) = edges.hit(slabs, corners, primitive);
-                let closer = hit.t.lt(best.t) | (hit.t.eq(best.t) & primitive.lt(best.primitive));
-                (slot + 1u32, (edges.is_inside() & counts & closer).select(hit, best))
-            };
-            let start = (U32::from(0), Hit::miss(ray.tmax));
-            b.while_(start, |_, (slot, _)| slot.lt(slots), step).1
-        }),
-    );
 }

@@ -8,7 +8,8 @@ use jerboa_lib_render::schema::{NONE, Settings};
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
-use jerboa_tests::harness::rays::{TREES, ball, declare_brute_force, load, ray};
+use jerboa_tests::harness::brute::declare_brute_force;
+use jerboa_tests::harness::rays::{TREES, ball, load, ray};
 
 /// Kernels `nearest` and `any`; where the scene has cut-outs, only odd primitives count.
 fn bench() -> Bench {

@@ -9,11 +9,10 @@ use jerboa_lib_render::schema::NONE;
 use jerboa_lib_render::traverse::make_traverse;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
+use jerboa_tests::harness::brute::declare_brute_force;
 use jerboa_tests::harness::naive::{self, BoxTest, TriangleTest};
 use jerboa_tests::harness::probe::V;
-use jerboa_tests::harness::rays::{
-    AIMS, PLACES, Place, SHAPES, TREES, ball, declare_brute_force, declare_traversal, load, ray, unit,
-};
+use jerboa_tests::harness::rays::{AIMS, PLACES, Place, SHAPES, TREES, ball, declare_traversal, load, ray, unit};
 
 /// Calls back with each shape at each place.
 fn everywhere(mut f: impl FnMut(&str, Place, &[Triangle])) {

@@ -1,21 +1,41 @@
-//! How a kernel sees the tree.
+//! How a kernel sees the tree: nodes of four boxes and blocks of four triangles, in one array of words.
+//!
+//! ```text
+//!  0  corners of the scene's box: lo x y z z, hi x y z z
+//!  8  a block without triangles
+//! 48  the root, then depth first: a node, the blocks of its leaves, the nodes below it, the larger first
+//!
+//! node, 32 words    lo x of four boxes, hi x, lo y, hi y, lo z, hi z; four references; four unused
+//! block, 40 words   x of four first corners, y, z; of the second corners; of the third; numbers of four primitives
+//! ```
+//!
+//! A reference says at which word a node begins, or a block: then bit 31 is set. What is missing of four triangles has NaN
+//! for coordinates. So a ray more often goes on with what lies next in memory, and a leaf lies beside its node: 20 % more
+//! bounce rays a second than with blocks in a table of their own.
 
-use super::Bounds;
 use super::tree::{Kind, NodeId, Tree};
+use super::{Bounds, MAX_LEAF, Triangle};
+use crate::schema::NONE;
 
-/// Bits of a reference that name a slot.
-const SLOT_BITS: u32 = 27;
-/// Slots that a reference can tell apart.
-pub(super) const MAX_SLOTS: usize = 1 << SLOT_BITS;
-/// Marks a reference to a leaf.
+/// Words of a node.
+const NODE: usize = 32;
+/// Words of a block.
+const BLOCK: usize = 40;
+/// Where the empty block is.
+const NOTHING: usize = 8;
+/// Where the root is.
+const ROOT: usize = NOTHING + BLOCK;
+/// Marks a reference to a block.
 const LEAF: u32 = 1 << 31;
+/// Words that references can reach.
+pub(super) const MAX_WORDS: usize = LEAF as usize;
 
 /// What a node's child is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChildRef {
     /// The inner node of this index.
     Inner(u32),
-    /// `count` triangles (0 to [`super::MAX_LEAF`]) in consecutive slots.
+    /// `count` triangles (0 to [`MAX_LEAF`]) in consecutive slots.
     Leaf {
         /// The first slot.
         first: u32,
@@ -27,47 +47,73 @@ pub enum ChildRef {
 impl ChildRef {
     /// A leaf without triangles; its box is [`Bounds::EMPTY`].
     pub const EMPTY: ChildRef = ChildRef::Leaf { first: 0, count: 0 };
-
-    /// The word in a node: bit 31 marks a leaf, whose count stands in bits 27 to 30 and its first slot below; else an index.
-    pub fn encode(self) -> u32 {
-        match self {
-            ChildRef::Inner(index) => index,
-            ChildRef::Leaf { first, count } => LEAF | count << SLOT_BITS | first,
-        }
-    }
-
-    /// What the word of a node says.
-    pub fn decode(word: u32) -> ChildRef {
-        if word & LEAF == 0 {
-            return ChildRef::Inner(word);
-        }
-        ChildRef::Leaf { first: word & (MAX_SLOTS as u32 - 1), count: (word & !LEAF) >> SLOT_BITS }
-    }
 }
 
-/// An inner node: both children's boxes and references.
+/// An inner node: its children and their boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BvhNode {
     /// Exact bounds of the triangles below each child; [`Bounds::EMPTY`] where there are none.
-    pub bounds: [Bounds; 2],
-    /// References, as [`ChildRef::decode`] reads them. The first child has the larger surface; if it is an inner node, it
-    /// is the next one.
-    pub child: [u32; 2],
+    pub bounds: [Bounds; 4],
+    /// The children, by descending surface.
+    pub child: [ChildRef; 4],
 }
 
 impl BvhNode {
-    /// Words of a node in memory: 64 bytes, a cache line.
-    pub const WORDS: usize = 16;
+    /// A node without children.
+    pub const EMPTY: BvhNode = BvhNode { bounds: [Bounds::EMPTY; 4], child: [ChildRef::EMPTY; 4] };
+}
 
-    /// The node in memory: lo and hi of child 0 (words 0 to 5) and of child 1 (6 to 11) as f32 bits, x y z each; the two
-    /// references (12, 13); two zeros.
-    pub fn words(&self) -> [u32; BvhNode::WORDS] {
-        let mut words = [0; BvhNode::WORDS];
-        let corners = self.bounds.iter().flat_map(|b| b.lo.into_iter().chain(b.hi));
-        words.iter_mut().zip(corners).for_each(|(word, x)| *word = x.to_bits());
-        words[12..14].copy_from_slice(&self.child);
-        words
+/// The words of a tree over `triangles`; `order` has the number of the triangle in each slot.
+pub(super) fn words(nodes: &[BvhNode], order: &[u32], bounds: &Bounds, triangles: &[Triangle]) -> Vec<u32> {
+    let mut at = ROOT;
+    let starts: Vec<usize> = nodes
+        .iter()
+        .map(|node| {
+            let start = at;
+            at += NODE + BLOCK * node.child.iter().filter(|child| has_block(child)).count();
+            start
+        })
+        .collect();
+    let mut words = Vec::with_capacity(at);
+    for corner in [bounds.lo, bounds.hi] {
+        words.extend([0, 1, 2, 2].map(|k: usize| corner[k].to_bits()));
     }
+    push_block(&mut words, &[], triangles);
+    for (node, start) in nodes.iter().zip(&starts) {
+        let mut block = start + NODE;
+        let references = node.child.map(|child| match child {
+            ChildRef::Inner(index) => starts[index as usize] as u32,
+            ChildRef::Leaf { count: 0, .. } => LEAF | NOTHING as u32,
+            ChildRef::Leaf { .. } => {
+                block += BLOCK;
+                LEAF | (block - BLOCK) as u32
+            }
+        });
+        for k in 0..3 {
+            words.extend(node.bounds.map(|b| b.lo[k].to_bits()));
+            words.extend(node.bounds.map(|b| b.hi[k].to_bits()));
+        }
+        words.extend(references);
+        words.extend([0; 4]);
+        for child in node.child.iter().filter(|child| has_block(child)) {
+            if let ChildRef::Leaf { first, count } = *child {
+                push_block(&mut words, &order[first as usize..][..count as usize], triangles);
+            }
+        }
+    }
+    words
+}
+
+fn has_block(child: &ChildRef) -> bool {
+    matches!(child, ChildRef::Leaf { count: 1.., .. })
+}
+
+fn push_block(words: &mut Vec<u32>, numbers: &[u32], triangles: &[Triangle]) {
+    for (corner, k) in (0..9).map(|i| (i / 3, i % 3)) {
+        let coordinate = |number: &u32| triangles[*number as usize][corner][k];
+        words.extend([0, 1, 2, 3].map(|lane| numbers.get(lane).map_or(f32::NAN, coordinate).to_bits()));
+    }
+    words.extend([0, 1, 2, 3].map(|lane| numbers.get(lane).copied().unwrap_or(NONE)));
 }
 
 /// A tree, laid out.
@@ -75,49 +121,76 @@ pub(super) struct LaidOut {
     pub nodes: Vec<BvhNode>,
     pub order: Vec<u32>,
     pub depth: usize,
+    /// Children that wait at most while a walk is anywhere in the tree.
+    pub waiting: usize,
+    /// Leaves.
+    blocks: usize,
 }
 
-/// Writes `tree` depth first, the larger child first: a ray more often goes on with what lies next in memory.
-pub(super) fn lay_out(tree: &Tree) -> LaidOut {
-    let mut writer = Writer { tree, out: LaidOut { nodes: Vec::new(), order: Vec::new(), depth: 0 } };
-    let root = tree.root();
-    if let ChildRef::Inner(_) = writer.write(root, 0) {
-        return writer.out;
+impl LaidOut {
+    /// How many words [`words`] makes of it.
+    pub fn size(&self) -> usize {
+        ROOT + NODE * self.nodes.len() + BLOCK * self.blocks
     }
-    // A root that is a leaf becomes the only child of a node.
-    let LaidOut { order, .. } = writer.out;
-    let child = [ChildRef::Leaf { first: 0, count: order.len() as u32 }, ChildRef::EMPTY];
-    let node = BvhNode { bounds: [tree.bounds_of(root), Bounds::EMPTY], child: child.map(ChildRef::encode) };
-    LaidOut { nodes: vec![node], order, depth: 1 }
+}
+
+/// Makes nodes of four from nodes of two: in place of the largest inner child come its own, until there are four. A subtree
+/// of at most four triangles is a leaf.
+pub(super) fn lay_out(tree: &Tree) -> LaidOut {
+    let out = LaidOut { nodes: Vec::new(), order: Vec::new(), depth: 0, waiting: 0, blocks: 0 };
+    let mut writer = Writer { tree, counts: tree.counts(), out };
+    writer.write(vec![tree.root()], 1, 0);
+    writer.out
 }
 
 struct Writer<'a> {
     tree: &'a Tree,
+    /// Triangles below each node of the tree.
+    counts: Vec<usize>,
     out: LaidOut,
 }
 
 impl Writer<'_> {
-    /// Writes the subtree of `node`, below `depth` inner nodes; the recursion is as deep as the tree, which is bounded.
-    fn write(&mut self, node: NodeId, depth: usize) -> ChildRef {
-        match self.tree.kind_of(node) {
-            Kind::Leaf(range) => {
+    /// Writes a node over these subtrees, at this depth, while so many children wait; the recursion is as deep as the tree,
+    /// which is bounded.
+    fn write(&mut self, mut children: Vec<NodeId>, depth: usize, waiting: usize) -> u32 {
+        let area = |child: &NodeId| self.tree.bounds_of(*child).half_area();
+        while children.len() < 4 {
+            let inner = (0..children.len()).filter(|i| !self.is_leaf(children[*i]));
+            let Some(largest) = inner.max_by(|i, j| area(&children[*i]).total_cmp(&area(&children[*j]))) else { break };
+            let Kind::Inner(pair) = self.tree.kind_of(children.remove(largest)) else {
+                unreachable!("leaves are small")
+            };
+            children.extend(pair);
+        }
+        children.retain(|child| self.tree.count_of(&self.counts, *child) > 0);
+        children.sort_by(|a, b| area(b).total_cmp(&area(a)));
+
+        let index = self.out.nodes.len();
+        self.out.nodes.push(BvhNode::EMPTY);
+        let waiting = waiting + children.len().saturating_sub(1);
+        self.out.depth = self.out.depth.max(depth);
+        self.out.waiting = self.out.waiting.max(waiting);
+        for (lane, child) in children.iter().enumerate() {
+            self.out.nodes[index].bounds[lane] = self.tree.bounds_of(*child);
+            if self.is_leaf(*child) {
                 let first = self.out.order.len() as u32;
-                self.out.order.extend_from_slice(&self.tree.order[range.clone()]);
-                ChildRef::Leaf { first, count: range.len() as u32 }
-            }
-            Kind::Inner(children) => {
-                let index = self.out.nodes.len();
-                let mut children = *children;
-                let area = |child: NodeId| self.tree.bounds_of(child).half_area();
-                if area(children[1]) > area(children[0]) {
-                    children.swap(0, 1);
-                }
-                let bounds = children.map(|child| self.tree.bounds_of(child));
-                self.out.nodes.push(BvhNode { bounds, child: [0; 2] });
-                self.out.nodes[index].child = children.map(|child| self.write(child, depth + 1).encode());
-                self.out.depth = self.out.depth.max(depth + 1);
-                ChildRef::Inner(index as u32)
+                self.out.blocks += 1;
+                self.tree.members(*child, &mut self.out.order);
+                let count = self.out.order.len() as u32 - first;
+                self.out.nodes[index].child[lane] = ChildRef::Leaf { first, count };
             }
         }
+        for (lane, child) in children.into_iter().enumerate() {
+            if !self.is_leaf(child) {
+                let below = self.write(vec![child], depth + 1, waiting);
+                self.out.nodes[index].child[lane] = ChildRef::Inner(below);
+            }
+        }
+        index as u32
+    }
+
+    fn is_leaf(&self, node: NodeId) -> bool {
+        self.tree.count_of(&self.counts, node) <= MAX_LEAF
     }
 }

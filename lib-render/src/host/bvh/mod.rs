@@ -1,4 +1,4 @@
-//! Builds the bounding volume hierarchy: a binary tree of boxes over triangles, as flat tables.
+//! Builds the bounding volume hierarchy: a tree of boxes over triangles, four to a node, as an array of words.
 //!
 //! Only the *build* is here; kernels traverse. The steps, a file each:
 //!
@@ -6,14 +6,13 @@
 //! 2. `agglomerate` lets `obvhs` build the tree (PLOC: Meister & Bittner 2018, with reinsertion: Meister & Bittner
 //!    2017) where a rehearsal says that it will make progress;
 //! 3. `median` splits at the median where it would not: coincident triangles, sizes over many magnitudes;
-//! 4. `layout` writes the nodes depth first, the larger child first.
+//! 4. `layout` makes nodes of four of nodes of two and writes them depth first, the larger child first.
 //!
 //! So the build ends on every input, in time n·log n but for `obvhs`' own, and its depth never exceeds [`MAX_DEPTH`].
 //!
 //! What a ray hits is a function of the ray and the triangles, not of the tree (Law 9): boxes are the exact bounds of
-//! the f32 vertices, and ties in t go to the smallest primitive number. A traversal gives its slab test room on *both*
-//! planes, far ×1.0000004 (accuracy.md, N3) and near ×0.9999996: with an exact near plane 269 of 200,000 rays at
-//! overlapping coplanar triangles missed the smallest number among equal t, with the padded one none did.
+//! the f32 vertices, and ties in t go to the smallest primitive number. A traversal gives its slab test room on both sides
+//! (`crate::traverse::line`).
 //!
 //! ```
 //! use jerboa_lib_render::host::bvh::{Bvh, ChildRef};
@@ -22,7 +21,7 @@
 //! let bvh = Bvh::build(&[point, triangle]);
 //! assert_eq!(bvh.order, [1]);
 //! assert_eq!(bvh.dropped.zero_area, 1);
-//! assert_eq!(bvh.nodes[0].child.map(ChildRef::decode), [ChildRef::Leaf { first: 0, count: 1 }, ChildRef::EMPTY]);
+//! assert_eq!(bvh.nodes[0].child[..2], [ChildRef::Leaf { first: 0, count: 1 }, ChildRef::EMPTY]);
 //! ```
 
 mod agglomerate;
@@ -43,18 +42,24 @@ pub use prefilter::{Dropped, can_be_hit};
 /// A triangle's three corners in world space.
 pub type Triangle = [[f32; 3]; 3];
 
-/// Most triangles in a leaf: the preset of `obvhs` collapses to at most this many.
-pub const MAX_LEAF: usize = 8;
+/// Most triangles in a leaf: a block of them is tested at once.
+pub const MAX_LEAF: usize = 4;
 
-/// Largest depth of a tree: inner nodes on the way from the root to a leaf, and so the entries a traversal's stack needs.
+/// Most triangles: halved at the median they take at most 25 words each, and 2^31 words are in reach.
+const MAX_TRIANGLES: usize = 1 << 26;
+
+/// Largest depth of a binary tree: inner nodes on the way from the root to a leaf.
 ///
-/// Median splits need at most 24 levels for the 2^27 slots that a reference can name; the rest is for better trees.
+/// Median splits need at most 24 levels for as many triangles as a reference can name; the rest is for better trees.
 pub const MAX_DEPTH: usize = 60;
 
-/// A binary tree of boxes over triangles.
+/// Most children that wait while a walk is anywhere in a tree: the entries of a traversal's stack. Median splits need 39.
+pub const MAX_WAITING: usize = crate::traverse::stack::STACK_SIZE as usize;
+
+/// A tree of boxes over triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bvh {
-    /// Inner nodes, depth first, the root first. Never empty: a root with two empty children stands for no triangles.
+    /// Inner nodes, depth first, the root first. Never empty: a root with four empty children stands for no triangles.
     pub nodes: Vec<BvhNode>,
     /// For each slot of the leaves, the number of the triangle in the slice that was given.
     pub order: Vec<u32>,
@@ -62,6 +67,8 @@ pub struct Bvh {
     pub bounds: Bounds,
     /// Inner nodes on the longest way from the root to a leaf; at most [`MAX_DEPTH`].
     pub depth: usize,
+    /// Children that wait at most while a walk is anywhere in the tree; at most [`MAX_WAITING`].
+    pub waiting: usize,
     /// Triangles that are not in the tree.
     pub dropped: Dropped,
 }
@@ -72,22 +79,32 @@ impl Bvh {
     /// The result depends on the triangles and their order only, not on threads or time.
     ///
     /// # Panics
-    /// If more than 2^27 triangles are given; the loader's limits lie below.
+    /// If more than 2^26 triangles are given; the loader's limits lie below.
     pub fn build(triangles: &[Triangle]) -> Bvh {
-        assert!(triangles.len() <= layout::MAX_SLOTS, "Bvh::build: more than 2^27 triangles; split the scene");
+        assert!(triangles.len() <= MAX_TRIANGLES, "Bvh::build: more than 2^26 triangles; split the scene");
         let usable = prefilter::usable(triangles);
-        let tree = if usable.bounds.len() <= MAX_LEAF {
+        let mut tree = if usable.bounds.len() <= MAX_LEAF {
             median::build(&usable.bounds)
         } else {
             agglomerate::build(&usable.bounds).unwrap_or_else(|| median::build(&usable.bounds))
         };
-        let laid_out = layout::lay_out(&tree);
+        let mut laid_out = layout::lay_out(&tree);
+        if laid_out.waiting > MAX_WAITING || laid_out.size() > layout::MAX_WORDS {
+            tree = median::build(&usable.bounds);
+            laid_out = layout::lay_out(&tree);
+        }
         Bvh {
             nodes: laid_out.nodes,
             order: laid_out.order.iter().map(|&i| usable.numbers[i as usize]).collect(),
             bounds: tree.bounds(),
             depth: laid_out.depth,
+            waiting: laid_out.waiting,
             dropped: usable.dropped,
         }
+    }
+
+    /// The tree in memory, with the corners of `triangles`, those it was built over: see `layout`.
+    pub fn words(&self, triangles: &[Triangle]) -> Vec<u32> {
+        layout::words(&self.nodes, &self.order, &self.bounds, triangles)
     }
 }

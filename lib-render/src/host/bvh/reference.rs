@@ -35,9 +35,9 @@ pub(super) fn traverse(ray: &Ray, bvh: &Bvh, triangles: &[Triangle]) -> Option<H
             ChildRef::Inner(index) => {
                 let node = &bvh.nodes[index as usize];
                 let far = best.map_or(f32::INFINITY, |(t, _)| t);
-                for side in [1, 0] {
+                for side in 0..4 {
                     if enters(ray, &node.bounds[side], far) {
-                        open.push(ChildRef::decode(node.child[side]));
+                        open.push(node.child[side]);
                     }
                 }
             }

@@ -35,6 +35,7 @@ fn build(triangles: &[Triangle]) -> Bvh {
     numbers.dedup();
     assert_eq!(numbers.len(), bvh.order.len(), "each triangle has one slot");
     assert!((1..=MAX_DEPTH).contains(&bvh.depth));
+    assert!(bvh.waiting <= MAX_WAITING);
     // Nodes and slots in the order in which a walk meets them, boxes exact.
     let (mut next_node, mut next_slot) = (1, 0);
     let mut deepest = 0;
@@ -42,26 +43,23 @@ fn build(triangles: &[Triangle]) -> Bvh {
     let mut last = Vec::new();
     while let Some((index, depth)) = open.pop() {
         deepest = deepest.max(depth);
-        let node = &bvh.nodes[index];
-        for side in [1, 0] {
-            if let ChildRef::Inner(child) = ChildRef::decode(node.child[side]) {
-                assert_eq!(
-                    node.bounds[side],
-                    bvh.nodes[child as usize].bounds[0].union(&bvh.nodes[child as usize].bounds[1])
-                );
-                open.push((child as usize, depth + 1));
-                next_node += 1;
-            }
-        }
-        for side in 0..2 {
-            if let ChildRef::Leaf { first, count } = ChildRef::decode(node.child[side]) {
-                assert!(count as usize <= MAX_LEAF);
-                let members = &bvh.order[first as usize..][..count as usize];
-                let bounds = members.iter().map(|&n| Bounds::of(&triangles[n as usize]));
-                assert_eq!(node.bounds[side], bounds.fold(Bounds::EMPTY, |all, b| all.union(&b)));
-                last.push((first, count));
-                next_slot += count as usize;
-            }
+        let node: &BvhNode = &bvh.nodes[index];
+        for (child, bounds) in node.child.into_iter().zip(node.bounds) {
+            let exact = match child {
+                ChildRef::Inner(child) => {
+                    open.push((child as usize, depth + 1));
+                    next_node += 1;
+                    bvh.nodes[child as usize].bounds.iter().fold(Bounds::EMPTY, |all, b| all.union(b))
+                }
+                ChildRef::Leaf { first, count } => {
+                    assert!(count as usize <= MAX_LEAF);
+                    let members = &bvh.order[first as usize..][..count as usize];
+                    last.push((first, count));
+                    next_slot += count as usize;
+                    members.iter().fold(Bounds::EMPTY, |all, &n| all.union(&Bounds::of(&triangles[n as usize])))
+                }
+            };
+            assert_eq!(bounds, exact);
         }
     }
     assert_eq!((next_node, next_slot, deepest), (bvh.nodes.len(), bvh.order.len(), bvh.depth));
@@ -130,7 +128,7 @@ fn none_one_and_two_triangles() {
     let triangle = |z: f32| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
     let empty = build(&[]);
     assert_eq!((empty.nodes.len(), empty.depth, empty.bounds), (1, 1, Bounds::EMPTY));
-    assert_eq!(empty.nodes[0].child.map(ChildRef::decode), [ChildRef::EMPTY; 2]);
+    assert_eq!(empty.nodes[0], BvhNode::EMPTY);
     let ray = Ray { origin: [0.2, 0.2, 0.0], direction: [0.0, 0.0, 1.0] };
     assert_eq!(traverse(&ray, &empty, &[]), None);
     let one = [triangle(3.0)];
@@ -224,18 +222,28 @@ fn a_regular_grid_builds_a_shallow_tree() {
 }
 
 #[test]
-fn references_and_words_say_what_they_were_given() {
-    for child in [
-        ChildRef::Inner(0),
-        ChildRef::Inner((1 << 31) - 1),
-        ChildRef::EMPTY,
-        ChildRef::Leaf { first: (1 << 27) - 1, count: 8 },
-    ] {
-        assert_eq!(ChildRef::decode(child.encode()), child);
+fn references_lead_to_nodes_and_blocks() {
+    let mut random = random();
+    let triangles = soup(&mut random, 100, 0.1);
+    let bvh = build(&triangles);
+    let words = bvh.words(&triangles);
+    let (mut open, mut found) = (vec![48], Vec::new());
+    while let Some(at) = open.pop() {
+        for &child in &words[at + 24..][..4] {
+            if child < 1 << 31 {
+                open.push(child as usize);
+                continue;
+            }
+            let block = &words[(child & !(1 << 31)) as usize..][..40];
+            for (lane, &number) in block[36..].iter().enumerate().filter(|(_, number)| **number != crate::schema::NONE)
+            {
+                let corners =
+                    [0, 1, 2].map(|corner| [0, 1, 2].map(|k| f32::from_bits(block[12 * corner + 4 * k + lane])));
+                assert_eq!(corners, triangles[number as usize]);
+                found.push(number);
+            }
+        }
     }
-    let bounds =
-        [Bounds { lo: [1.0, 2.0, 3.0], hi: [4.0, 5.0, 6.0] }, Bounds { lo: [7.0, 8.0, 9.0], hi: [10.0, 11.0, 12.0] }];
-    let words = BvhNode { bounds, child: [13, 14] }.words();
-    assert!((0..12).all(|i| f32::from_bits(words[i]) == i as f32 + 1.0));
-    assert_eq!(words[12..], [13, 14, 0, 0]);
+    found.sort_unstable();
+    assert_eq!(found, (0..100).collect::<Vec<_>>());
 }

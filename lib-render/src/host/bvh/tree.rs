@@ -60,6 +60,31 @@ impl Tree {
         &self.nodes[node.0 as usize].kind
     }
 
+    /// For each node, the number of boxes below it.
+    pub fn counts(&self) -> Vec<usize> {
+        let mut counts: Vec<usize> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            counts.push(match &node.kind {
+                Kind::Leaf(range) => range.len(),
+                Kind::Inner(children) => children.iter().map(|child| counts[child.0 as usize]).sum(),
+            });
+        }
+        counts
+    }
+
+    /// What [`Tree::counts`] says of a node.
+    pub fn count_of(&self, counts: &[usize], node: NodeId) -> usize {
+        counts[node.0 as usize]
+    }
+
+    /// Appends the numbers of all boxes below a node, which are few.
+    pub fn members(&self, node: NodeId, out: &mut Vec<u32>) {
+        match self.kind_of(node) {
+            Kind::Leaf(range) => out.extend_from_slice(&self.order[range.clone()]),
+            Kind::Inner(children) => children.iter().for_each(|child| self.members(*child, out)),
+        }
+    }
+
     /// Bounds of the whole.
     pub fn bounds(&self) -> Bounds {
         self.bounds_of(self.root())

@@ -182,18 +182,10 @@ fn longest_side_last(corners: [u32; 3], positions: &[Vec3]) -> [u32; 3] {
     }
 }
 
-/// Triangles in the order of the tree's leaves, and its nodes.
-pub fn tree(bvh: &Bvh, triangles: &[Triangle]) -> [Memory; 2] {
-    let mut table = Table::<Triangles>::new();
-    use Triangles as T;
-    for primitive in &bvh.order {
-        let [p0, p1, p2] = triangles[*primitive as usize];
-        let mut row = table.push();
-        row.set_all([T::P0_X, T::P0_Y, T::P0_Z], p0).set_all([T::P1_X, T::P1_Y, T::P1_Z], p1);
-        row.set_all([T::P2_X, T::P2_Y, T::P2_Z], p2).set(T::PRIMITIVE, *primitive);
-    }
-    let nodes = Memory { rows: bvh.nodes.len() as u32, words: bvh.nodes.iter().flat_map(|n| n.words()).collect() };
-    [nodes, table.finish()]
+/// The tree with the triangles in its leaves.
+pub fn tree(bvh: &Bvh, triangles: &[Triangle]) -> Memory {
+    let words = bvh.words(triangles);
+    Memory { rows: words.len() as u32, words }
 }
 
 /// What is subtracted from every position.

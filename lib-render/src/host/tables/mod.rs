@@ -112,9 +112,7 @@ impl Tables {
         let start = Instant::now();
         let bvh = Bvh::build(&geometry.triangles);
         let bvh_time = start.elapsed();
-        let [nodes, triangles] = geometry::tree(&bvh, &geometry.triangles);
-        put(binding::<Nodes>(), nodes);
-        put(binding::<Triangles>(), triangles);
+        put(binding::<Tree>(), geometry::tree(&bvh, &geometry.triangles));
 
         // Lights.
         let radius = radius(&bvh);

@@ -19,11 +19,10 @@ use jerboa_tests::harness::rays::{AIMS, Place, ball, declare_traversal, load, ra
 use crate::renders::absolute;
 
 /// A kernel: its name, what a call does, and the row it is compared with.
-const KERNELS: [(&str, &str, &str); 8] = [
+const KERNELS: [(&str, &str, &str); 7] = [
     ("traverse", "ray against 3,968 triangles: the renderer's", "traverse"),
-    ("copy", "the same walk in the harness, same parts", "traverse"),
-    ("moeller-trumbore", "Möller-Trumbore for Woop and its checks", "copy"),
-    ("plain-boxes", "unpadded, ordered boxes", "copy"),
+    ("moeller-trumbore", "Möller-Trumbore for Woop and its checks", "traverse"),
+    ("plain-boxes", "unpadded, ordered boxes", "traverse"),
     ("start", "normal of a hit and the ray that leaves it", "start"),
     ("start-absolute", "start moved by 1e-3 instead of by a bound", "start"),
     ("film", "a sample onto the exact film", "film"),
@@ -93,7 +92,6 @@ fn rays(name: &str, calls: u64) -> Result<(), String> {
     let mut bench = match name {
         "idle" => Bench::new(|| entry("nearest", Fun::<Ray, Hit>::lam(|_, ray| Hit::miss(ray.tmax)))),
         "traverse" => Bench::new(|| declare_traversal(make_traverse())),
-        "copy" => naive_bench(BoxTest::Padded, TriangleTest::Watertight),
         "moeller-trumbore" => naive_bench(BoxTest::Padded, TriangleTest::MoellerTrumbore),
         "plain-boxes" => naive_bench(BoxTest::Plain, TriangleTest::Watertight),
         _ => return Err(format!("there is no kernel `{name}`")),

@@ -22,7 +22,6 @@ use jerboa_tests::harness::naive::{self, BoxTest, TriangleTest};
 #[derive(Clone, Copy, PartialEq)]
 enum Variant {
     Robust,
-    Copy,
     MoellerTrumbore,
     PlainBoxes,
     AbsoluteStart,
@@ -31,9 +30,8 @@ enum Variant {
     All,
 }
 
-const VARIANTS: [(Variant, &str); 8] = [
+const VARIANTS: [(Variant, &str); 7] = [
     (Variant::Robust, "nothing"),
-    (Variant::Copy, "the walk by its copy in the harness"),
     (Variant::MoellerTrumbore, "Woop by Möller-Trumbore"),
     (Variant::PlainBoxes, "padded boxes by plain ones"),
     (Variant::AbsoluteStart, "bounded offsets by 1e-3"),
@@ -135,7 +133,7 @@ impl Kernel {
             let tracer = make_path_tracer(make_perspective_camera());
             let tracer = if is(Variant::AbsoluteStart) { with_absolute_starts(tracer) } else { tracer };
             // What replaces a part of the walk is to be compared with the copy that it replaces it in.
-            let own = matches!(variant, Variant::Copy | Variant::MoellerTrumbore | Variant::PlainBoxes | Variant::All);
+            let own = matches!(variant, Variant::MoellerTrumbore | Variant::PlainBoxes | Variant::All);
             trace_with("path", tracer, if own { naive::make_traverse(boxes, triangles) } else { make_traverse() });
         });
         let options = jerboa_peval::Options::default();
