@@ -53,10 +53,10 @@ impl Params {
     }
 }
 
-/// The parameters that a jump uses, through pure nodes.
-pub(crate) fn used_params(p: &Program, cont: ContId) -> Vec<NodeId> {
+/// The parameters that the jumps of these continuations use, through pure nodes.
+pub(crate) fn used_params(p: &Program, conts: impl Iterator<Item = ContId>) -> Vec<NodeId> {
     let (mut seen, mut work, mut used) = (FxHashSet::default(), Vec::new(), Vec::new());
-    p.cont(cont).body.operands(&mut |x| work.push(x));
+    conts.for_each(|cont| p.cont(cont).body.operands(&mut |x| work.push(x)));
     while let Some(x) = work.pop() {
         if !seen.insert(x) {
             continue;

@@ -264,18 +264,17 @@ impl<'a> Analysis<'a> {
     /// Parameters that are used outside of divergent loops in which they are made, with the headers of these.
     fn outliving(&self) -> BTreeMap<NodeId, BTreeSet<u32>> {
         let mut outlive: BTreeMap<NodeId, BTreeSet<u32>> = BTreeMap::new();
-        if !self.flow.divergent.contains(&true) {
-            return outlive;
-        }
-        for (block, b) in self.f.blocks.iter().enumerate() {
-            for x in used_params(self.p, b.cont) {
-                let Node::Param { cont, .. } = self.p.node(x) else { continue };
-                let Some(made) = self.f.number.get(cont) else { continue };
-                let here = self.f.loops.header(block as u32);
-                let left = self.left(*made, here).filter(|h| self.flow.divergent[*h as usize]);
-                let left: BTreeSet<u32> = left.collect();
-                if !left.is_empty() {
-                    outlive.entry(x).or_default().extend(left);
+        let f = self.f;
+        let is_around = |header: u32, block: u32| {
+            std::iter::successors(f.loops.header(block), |h| f.loops.outer(*h)).any(|h| h == header)
+        };
+        for header in (0..f.blocks.len() as u32).filter(|h| self.flow.divergent[*h as usize]) {
+            let outside = (0..f.blocks.len() as u32).filter(|block| !is_around(header, *block));
+            for x in used_params(self.p, outside.map(|block| f.blocks[block as usize].cont)) {
+                if let Node::Param { cont, .. } = self.p.node(x)
+                    && f.number.get(cont).is_some_and(|made| is_around(header, *made))
+                {
+                    outlive.entry(x).or_default().insert(header);
                 }
             }
         }
