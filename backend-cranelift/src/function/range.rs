@@ -78,9 +78,10 @@ impl Range {
 /// Is this `u32` less than 2^31, hence the same as an `i32`?
 pub(super) fn is_signed(p: &Program, x: NodeId) -> bool {
     let Node::Prim { op, args } = p.node(x) else { return false };
-    match (op, literal(p, args[1])) {
-        (Op::Shr, Some(Lit::U32(by))) => by % 32 > 0,
-        (Op::And, Some(Lit::U32(bits))) => bits >> 31 == 0,
+    let second = || literal(p, args[1]).and_then(|lit| lit.as_u32());
+    match op {
+        Op::Shr => second().is_some_and(|by| by % 32 > 0),
+        Op::And => second().is_some_and(|bits| bits >> 31 == 0),
         _ => false,
     }
 }

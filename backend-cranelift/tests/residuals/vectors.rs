@@ -199,3 +199,25 @@ fun f(m: boolx8, n: boolx8, x: f32x8, y: f32x8, return: fn(f32x8, f32x8, f32x8, 
         agree(&p, "f", &mask(m).chain(mask(n)).chain(float(3)).chain(float(25)).collect::<Vec<_>>(), &[]);
     }
 }
+
+/// What an operand is made of may be told from its operation, which need not have two operands.
+#[test]
+fn conversions_of_operations_of_one_operand() {
+    let p = parse(
+        "jerboa-ir 1
+entry f = f
+fun f(x: f32x4, y: u32x4, return: fn(f32x4, f32x4, f32x4))
+  bits = bits x
+  a = to_f32 bits
+  not = not y
+  b = to_f32 not
+  whole = to_u32 x
+  c = to_f32 whole
+  jump return(a, b, c)
+",
+    )
+    .expect("it is a program");
+    let floats = [-1.5, 0.0, f32::MAX, f32::NAN].map(Lit::f32);
+    let words = [0, 1, u32::MAX, 1 << 31].map(Lit::U32);
+    agree(&p, "f", &[floats, words].concat(), &[]);
+}
