@@ -25,7 +25,8 @@ use jerboa_ir::{Lit, NodeId, Program};
 use rustc_hash::FxHashMap;
 
 use crate::abi::{LANES, Shape, parts};
-use crate::memory::{Buffers, Local, Used};
+use crate::buffers::{Buffers, Used};
+use crate::memory::Local;
 use crate::pack;
 use crate::simd::Simd;
 

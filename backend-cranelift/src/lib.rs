@@ -9,7 +9,7 @@
 //! | function, call, tail call | function, `call`, `return_call` | `abi.rs`, `function/exit.rs` |
 //! | continuation parameters | block parameters (SSA in functional clothes: Appel, *SSA is functional programming*, 1998) | `function.rs` |
 //! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `function/value.rs`, `ops.rs` |
-//! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `memory.rs`, `function/access.rs` |
+//! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `buffers.rs`, `memory.rs`, `function/access.rs` |
 //! | their vectors | runs, gathers, scatters | `function/run.rs`, `function/gather.rs` |
 //! | `vectorize` | a loop over lanes, made by [`mod@lanes`] before all else, or one iteration after the other | `lanes/mod.rs` |
 //! | vector | a value of 128 bits for every four lanes; of `bool` a mask of 0 and −1 | `vector.rs`, `pack.rs`, `simd.rs` |
@@ -81,6 +81,7 @@
 //! do, which has SSE4.1 and no fused multiply-add.
 
 mod abi;
+mod buffers;
 mod code;
 mod compile;
 mod error;

@@ -21,7 +21,7 @@ impl Emitter<'_> {
             let x = self.load_clamped(column, scalar, index, flags);
             return self.splat(scalar, x, lanes);
         }
-        let (words, rows) = (self.buffers.words(&mut self.b, column), self.values(index));
+        let (words, rows) = (self.buffers.words(&mut self.b, self.unit.program, column), self.values(index));
         self.gather(words, false, scalar, &rows, lanes, flags)
     }
 
@@ -52,10 +52,10 @@ impl Emitter<'_> {
     /// Loads the word of a row, or of the last one.
     fn load_clamped(&mut self, column: Column, scalar: Scalar, index: NodeId, flags: MemFlagsData) -> Value {
         let place = if self.unit.program.as_lit(index) == Some(Lit::U32(0)) {
-            self.buffers.words(&mut self.b, column).first()
+            self.buffers.words(&mut self.b, self.unit.program, column).first()
         } else {
             let index = self.scalar(index);
-            self.buffers.clamped(&mut self.b, column, index)
+            self.buffers.clamped(&mut self.b, self.unit.program, column, index)
         };
         memory::load(&mut self.b, scalar, &place, flags)
     }
@@ -94,7 +94,7 @@ impl Emitter<'_> {
 
     pub(super) fn words(&mut self, mem: &Mem) -> Result<Words, String> {
         Ok(match mem {
-            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.words(&mut self.b, *column),
+            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.words(&mut self.b, self.unit.program, *column),
             Mem::Local(x) => self.local(*x)?.words(&mut self.b),
         })
     }

@@ -349,7 +349,9 @@ impl Emitter<'_> {
         let first = runs.iter().min_by_key(|run| number(run)).expect("a group has runs");
         let address = self.words(first)?.row(&mut self.b, row).address;
         let step = match first {
-            Mem::Stream(column) | Mem::Unchecked(column) => self.buffers.step(column.buf),
+            Mem::Stream(column) | Mem::Unchecked(column) => {
+                self.buffers.step(&mut self.b, self.unit.program, column.buf)
+            }
             Mem::Local(_) => address,
         };
         Ok(Place { address, step, first: number(first) })
