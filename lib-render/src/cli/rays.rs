@@ -29,16 +29,17 @@ fn as_json(speeds: &[Speed], build: f64) -> String {
             "hits": s.hits,
             "median_rays_per_second": s.median(),
             "best_rays_per_second": s.best(),
+            "rays_per_thread_second": s.per_thread(),
         })
     };
     format!("{}\n", json!({ "tree_seconds": build, "sets": speeds.iter().map(set).collect::<Vec<_>>() }))
 }
 
 fn as_text(speeds: &[Speed], build: f64) -> String {
-    let mut text = String::from("set           rays      hits  Mrays/s, median    best\n");
+    let mut text = String::from("set           rays      hits  Mrays/s, median    best  per thread\n");
     for s in speeds {
-        let (name, median, best) = (s.set.name(), s.median() / 1e6, s.best() / 1e6);
-        writeln!(text, "{name:<9} {:>8}  {:>8}  {median:>15.2}  {best:>6.2}", s.rays, s.hits)
+        let (name, median, best, thread) = (s.set.name(), s.median() / 1e6, s.best() / 1e6, s.per_thread() / 1e6);
+        writeln!(text, "{name:<9} {:>8}  {:>8}  {median:>15.2}  {best:>6.2}  {thread:>10.2}", s.rays, s.hits)
             .expect("a string takes it");
     }
     writeln!(text, "the tree took {:.0} ms", 1e3 * build).expect("a string takes it");

@@ -7,6 +7,7 @@
 //! ([`Set::Shadow`]): that one asks for any hit, the others for the nearest.
 
 use std::path::Path;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift::{self as clif, Binding, Status};
@@ -69,6 +70,8 @@ pub struct Speed {
     pub hits: usize,
     /// Wall time of each repetition, shortest first.
     pub times: Vec<Duration>,
+    /// Time that the threads ran for in each repetition, together, shortest first: what a busy machine leaves alone.
+    pub work: Vec<Duration>,
 }
 
 impl Speed {
@@ -80,6 +83,11 @@ impl Speed {
     /// Rays per second of the best repetition.
     pub fn best(&self) -> f64 {
         self.rays as f64 / self.times[0].as_secs_f64()
+    }
+
+    /// Rays per second that a thread ran for, of the median repetition.
+    pub fn per_thread(&self) -> f64 {
+        self.rays as f64 / self.work[self.work.len() / 2].as_secs_f64()
     }
 }
 
@@ -127,17 +135,32 @@ impl RayBench {
     pub fn measure(&self) -> Result<Vec<Speed>, Error> {
         let start = |(set, rays): &(Set, Vec<PlainRay>)| (*set, rays.chunks(CHUNK).map(Chunk::new).collect::<Vec<_>>());
         let mut work: Vec<(Set, Vec<Chunk>)> = self.sets.iter().map(start).collect();
-        let speed = |(set, rays): &(Set, Vec<PlainRay>)| Speed { set: *set, rays: rays.len(), hits: 0, times: vec![] };
+        let speed = |(set, rays): &(Set, Vec<PlainRay>)| Speed {
+            set: *set,
+            rays: rays.len(),
+            hits: 0,
+            times: vec![],
+            work: vec![],
+        };
         let mut speeds: Vec<Speed> = self.sets.iter().map(speed).collect();
         for _ in 0..REPETITIONS {
             for ((set, chunks), speed) in work.iter_mut().zip(&mut speeds) {
                 let start = Instant::now();
-                chunks.par_iter_mut().try_for_each(|chunk| self.trace(*set, chunk))?;
+                let trace = |chunk: &mut Chunk| {
+                    let start = thread_time();
+                    self.trace(*set, chunk)?;
+                    Ok::<_, Error>(thread_time().saturating_sub(start))
+                };
+                let work = chunks.par_iter_mut().map(trace).collect::<Result<Vec<_>, _>>()?;
                 speed.times.push(start.elapsed());
+                speed.work.push(work.iter().sum());
                 speed.hits = chunks.iter().flat_map(Chunk::hits).filter(|(primitive, _)| *primitive != NONE).count();
             }
         }
-        speeds.iter_mut().for_each(|s| s.times.sort());
+        for speed in &mut speeds {
+            speed.times.sort();
+            speed.work.sort();
+        }
         Ok(speeds)
     }
 
@@ -221,6 +244,14 @@ impl RayBench {
         let origins = out.iter().map(|r| r.0).collect();
         Ok((out, origins))
     }
+}
+
+/// Time that this thread has run for, as Linux counts it; elsewhere wall time.
+fn thread_time() -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let counted = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = counted.and_then(|s| s.split(' ').next()?.parse().ok());
+    nanoseconds.map_or_else(|| START.elapsed(), Duration::from_nanos)
 }
 
 /// Rays of one call, and what they hit: two streams.
