@@ -28,7 +28,7 @@ const ROOT: usize = NOTHING + BLOCK;
 /// Marks a reference to a block.
 const LEAF: u32 = 1 << 31;
 /// Words that references can reach.
-pub(super) const MAX_WORDS: usize = LEAF as usize;
+const MAX_WORDS: usize = LEAF as usize;
 
 /// What a node's child is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,6 +131,11 @@ impl LaidOut {
     /// How many words [`words`] makes of it.
     pub fn size(&self) -> usize {
         ROOT + NODE * self.nodes.len() + BLOCK * self.blocks
+    }
+
+    /// Can a walk's stack hold what waits, and a reference reach every word?
+    pub fn fits(&self) -> bool {
+        self.waiting <= super::MAX_WAITING && self.size() <= MAX_WORDS
     }
 }
 

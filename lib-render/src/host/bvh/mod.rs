@@ -5,8 +5,9 @@
 //! 1. `prefilter` drops triangles that no ray can hit, counted, and bounds the others;
 //! 2. `agglomerate` lets `obvhs` build the tree (PLOC: Meister & Bittner 2018, with reinsertion: Meister & Bittner
 //!    2017) where a rehearsal says that it will make progress;
-//! 3. `median` splits at the median where it would not: coincident triangles, sizes over many magnitudes;
-//! 4. `layout` makes nodes of four of nodes of two and writes them depth first, the larger child first.
+//! 3. `sah` splits where it would not, or where the tree came out too deep for the stack of a walk (the matched kitchen);
+//! 4. `median` splits at the median where that does not help: coincident triangles, sizes over many magnitudes;
+//! 5. `layout` makes nodes of four of nodes of two and writes them depth first, the larger child first.
 //!
 //! So the build ends on every input, in time n·log n but for `obvhs`' own, and its depth never exceeds [`MAX_DEPTH`].
 //!
@@ -31,6 +32,7 @@ mod median;
 mod prefilter;
 #[cfg(test)]
 mod reference;
+mod sah;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -38,6 +40,7 @@ mod tree;
 pub use bounds::Bounds;
 pub use layout::{BvhNode, ChildRef};
 pub use prefilter::{Dropped, can_be_hit};
+use tree::Tree;
 
 /// A triangle's three corners in world space.
 pub type Triangle = [[f32; 3]; 3];
@@ -83,16 +86,13 @@ impl Bvh {
     pub fn build(triangles: &[Triangle]) -> Bvh {
         assert!(triangles.len() <= MAX_TRIANGLES, "Bvh::build: more than 2^26 triangles; split the scene");
         let usable = prefilter::usable(triangles);
-        let mut tree = if usable.bounds.len() <= MAX_LEAF {
-            median::build(&usable.bounds)
-        } else {
-            agglomerate::build(&usable.bounds).unwrap_or_else(|| median::build(&usable.bounds))
-        };
-        let mut laid_out = layout::lay_out(&tree);
-        if laid_out.waiting > MAX_WAITING || laid_out.size() > layout::MAX_WORDS {
-            tree = median::build(&usable.bounds);
-            laid_out = layout::lay_out(&tree);
-        }
+        let boxes = &usable.bounds[..];
+        let lay_out = |tree: Tree| (layout::lay_out(&tree), tree);
+        let by_obvhs = if boxes.len() > MAX_LEAF { agglomerate::build(boxes).map(lay_out) } else { None };
+        let (laid_out, tree) = by_obvhs
+            .filter(|(laid_out, _)| laid_out.fits())
+            .or_else(|| Some(lay_out(sah::build(boxes))).filter(|(laid_out, _)| laid_out.fits()))
+            .unwrap_or_else(|| lay_out(median::build(boxes)));
         Bvh {
             nodes: laid_out.nodes,
             order: laid_out.order.iter().map(|&i| usable.numbers[i as usize]).collect(),
