@@ -12,16 +12,14 @@ use super::params::drop_params;
 pub(crate) fn run(draft: &mut Draft) -> u64 {
     let order = draft.order();
     let mentions = draft.mentions(&order);
-    let needed = needed_nodes(draft, &order, &mentions);
+    let entered = Entered::all(draft, &mentions);
+    let needed = needed_nodes(draft, &order, &mentions, &entered);
     let loads = drop_loads(draft, &order, &needed);
     let mut dropped: FxHashMap<ContId, Vec<usize>> = FxHashMap::default();
     for c in &order {
-        if !may_shrink(draft, *c, &mentions) {
-            continue;
-        }
+        let Entered { may_shrink: true, index } = entered[c.index()] else { continue };
         let count = draft.p().cont(*c).params.len();
         let params: Vec<NodeId> = (0..count).map(|i| draft.world.param(*c, i)).collect();
-        let index = index_of(draft, *c, &mentions[c.index()]);
         let idle =
             |i: &usize| Some(*i) != index && !is_needed(&needed, params[*i]) && draft.p().ty(params[*i]).is_data();
         let gone: Vec<usize> = (0..count).filter(idle).collect();
@@ -33,15 +31,29 @@ pub(crate) fn run(draft: &mut Draft) -> u64 {
     loads + dropped.values().map(|gone| gone.len() as u64).sum::<u64>()
 }
 
-/// The place of the parameter that a `vectorize` gives its index, if it is the body of one.
-fn index_of(draft: &Draft, c: ContId, mentions: &[Mention]) -> Option<usize> {
-    let is_body = mentions.iter().any(|m| matches!(m, Mention::Body(_)));
-    is_body.then(|| draft.p().cont(c).params.len() - 2)
+/// What the ways into a continuation leave of it, found once: a function may be called from everywhere.
+#[derive(Clone, Copy)]
+struct Entered {
+    /// May it lose parameters? Not where something else than a jump passes them: the host, a load, a function's return.
+    may_shrink: bool,
+    /// The place of the parameter that a `vectorize` gives its index, if it is the body of one.
+    index: Option<usize>,
 }
 
-/// May it lose parameters? Not where something else than a jump passes them: the host, a load, a function's return.
-fn may_shrink(draft: &Draft, c: ContId, mentions: &[Vec<Mention>]) -> bool {
-    c != draft.entry && mentions[c.index()].iter().all(|m| matches!(m, Mention::Call(_) | Mention::Body(_)))
+impl Entered {
+    /// For each continuation.
+    fn all(draft: &Draft, mentions: &[Vec<Mention>]) -> Vec<Entered> {
+        let of = |(at, mentions): (usize, &Vec<Mention>)| {
+            let c = ContId(at as u32);
+            let is_body = mentions.iter().any(|m| matches!(m, Mention::Body(_)));
+            let jumps = mentions.iter().all(|m| matches!(m, Mention::Call(_) | Mention::Body(_)));
+            Entered {
+                may_shrink: c != draft.entry && jumps,
+                index: is_body.then(|| draft.p().cont(c).params.len() - 2),
+            }
+        };
+        mentions.iter().enumerate().map(of).collect()
+    }
 }
 
 /// A parameter made while asking is in no body, so not needed.
@@ -50,16 +62,15 @@ fn is_needed(needed: &[bool], node: NodeId) -> bool {
 }
 
 /// Nodes that the effects and the control of the program depend on.
-fn needed_nodes(draft: &Draft, order: &[ContId], mentions: &[Vec<Mention>]) -> Vec<bool> {
+fn needed_nodes(draft: &Draft, order: &[ContId], mentions: &[Vec<Mention>], entered: &[Entered]) -> Vec<bool> {
     let p = draft.p();
     let mut needed = vec![false; p.nodes.len()];
     let mut stack: Vec<NodeId> = Vec::new();
     for c in order {
         match draft.body(*c) {
             // Arguments are needed when the parameter is, or cannot go. A call needs its return.
-            Body::Jump { callee, args, .. } => match draft.cont_of(*callee) {
-                Some(to) if may_shrink(draft, to, mentions) => {
-                    let index = index_of(draft, to, &mentions[to.index()]);
+            Body::Jump { callee, args, .. } => match draft.cont_of(*callee).map(|to| entered[to.index()]) {
+                Some(Entered { may_shrink: true, index }) => {
                     let stays = |(i, x): &(usize, &NodeId)| Some(*i) == index || !p.ty(**x).is_data();
                     stack.extend(args.iter().enumerate().filter(stays).map(|(_, x)| *x));
                 }

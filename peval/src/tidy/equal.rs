@@ -16,7 +16,9 @@ use super::draft::{Draft, Subst};
 
 /// How far along the edges hashes look, and with how many of equal hash a continuation is compared: so that the pass
 /// stays linear where a program is one long chain of nearly equal pieces.
-const ROUNDS: usize = 64;
+const ROUNDS: [usize; 2] = [8, 64];
+/// Hashes that all rounds may make together, beyond the fewest rounds: a chain of 10^5 pieces has few.
+const HASHES: usize = 1 << 20;
 const CANDIDATES: usize = 4;
 /// Nodes that all comparisons may look at together, for each node of the program.
 const STEPS: usize = 4;
@@ -77,7 +79,7 @@ fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
     }
     // Once a round tells no more of them apart, none will (Moore, *Gedanken-experiments on sequential machines*, 1956).
     let mut told_apart = 0;
-    for _ in 0..ROUNDS {
+    for _ in 0..(HASHES / order.len().max(1)).clamp(ROUNDS[0], ROUNDS[1]) {
         let distinct = order.iter().map(|c| hashes[c.index()]).collect::<FxHashSet<u64>>().len();
         if distinct == told_apart {
             break;
