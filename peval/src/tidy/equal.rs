@@ -14,11 +14,11 @@ use rustc_hash::{FxHashMap, FxHashSet, FxHasher};
 
 use super::draft::{Draft, Subst};
 
-/// How far along the edges hashes look, and with how many of equal hash a continuation is compared: so that the pass
-/// stays linear where a program is one long chain of nearly equal pieces.
+/// How far along the edges hashes look, at least and at most: between them, as far as [`HASHES`] lasts.
 const ROUNDS: [usize; 2] = [8, 64];
-/// Hashes that all rounds may make together, beyond the fewest rounds: a chain of 10^5 pieces has few.
+/// Hashes that all rounds may make together, so that a chain of 10^5 nearly equal pieces stays cheap.
 const HASHES: usize = 1 << 20;
+/// With how many of equal hash a continuation is compared, for the same reason.
 const CANDIDATES: usize = 4;
 /// Nodes that all comparisons may look at together, for each node of the program.
 const STEPS: usize = 4;
