@@ -14,6 +14,7 @@
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names,
 //! * [`rays`]: raw tracing, in rays per second,
+//! * [`clock`], [`stages`]: time that a thread ran for, and on what,
 //! * [`effort`]: how much there is to write and to read.
 
 pub mod tables;
@@ -22,6 +23,8 @@ pub mod code_cache;
 pub mod device;
 mod dispatch;
 mod scalar;
+pub mod clock;
+pub mod stages;
 pub mod wave;
 pub mod work;
 pub mod renderer;

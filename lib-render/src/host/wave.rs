@@ -13,6 +13,7 @@ use jerboa_ir::lang::{Buf, Col};
 use super::dispatch::{call, tables_bound};
 use super::error::Error;
 use super::generate::Generated;
+use super::stages::{Clock, Stage, Stages};
 use super::tables::Tables;
 use super::work::Work;
 use crate::schema::{Frame, Hits, NONE, Next, Order, Paths, Shadows, binding};
@@ -50,9 +51,22 @@ impl Wave {
     /// # Errors
     /// When a kernel gives up: a fault of Jerboa.
     pub fn run(&self, tables: &Tables, work: &mut impl Work) -> Result<(), Error> {
+        self.follow(tables, work, &mut Clock::new(None))
+    }
+
+    /// Trace all items, on this thread, and add what each stage took.
+    ///
+    /// # Errors
+    /// As [`Wave::run`].
+    pub fn run_clocked(&self, tables: &Tables, work: &mut impl Work, stages: &mut Stages) -> Result<(), Error> {
+        Clock::new(Some(stages)).total(|clock| self.follow(tables, work, clock))
+    }
+
+    fn follow(&self, tables: &Tables, work: &mut impl Work, clock: &mut Clock) -> Result<(), Error> {
         let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         let streams = idle().pop().unwrap_or_else(|| Streams::new(self.slots as usize));
-        let mut thread = Thread { wave: self, bindings: tables_bound(tables), streams, rows: 0, live: 0 };
+        let mut thread =
+            Thread { wave: self, clock, bindings: tables_bound(tables), streams, rows: 0, begun: 0, live: 0 };
         while !work.is_cancelled() {
             thread.refill(work)?;
             if thread.live == 0 {
@@ -112,25 +126,29 @@ impl Streams {
 }
 
 /// What a thread is at.
-struct Thread<'w> {
+struct Thread<'w, 's> {
     wave: &'w Wave,
+    clock: &'w mut Clock<'s>,
     bindings: Vec<Binding>,
     streams: Streams,
     /// Rows of `paths` that hold a path, ended or not.
     rows: u32,
+    /// Rows before those of new paths.
+    begun: u32,
     /// Paths among them that go on.
     live: u32,
 }
 
-impl Thread<'_> {
+impl Thread<'_, '_> {
     /// Start new paths in place of those that ended.
     fn refill(&mut self, work: &mut impl Work) -> Result<(), Error> {
+        self.begun = self.rows;
         while self.live < self.wave.slots
             && let Some(mut batch) = work.next(self.wave.slots - self.live)
         {
             self.bindings[binding::<Frame>()] = Binding::new(&mut batch.frame, 1);
             let end = self.rows + batch.count;
-            self.dispatch(GENERATE, &[self.rows, end, batch.first, batch.number])?;
+            self.dispatch(Stage::Generate, GENERATE, batch.count, &[self.rows, end, batch.first, batch.number])?;
             self.rows = end;
             self.live += batch.count;
         }
@@ -139,14 +157,15 @@ impl Thread<'_> {
 
     /// Take all live paths one vertex further: they become the rows of `next`.
     fn wave(&mut self) -> Result<(), Error> {
-        self.dispatch(TRACE, &[0, self.rows])?;
+        self.dispatch(Stage::Secondary, TRACE, self.begun, &[0, self.begun])?;
+        self.dispatch(Stage::Camera, TRACE, self.rows - self.begun, &[self.begun, self.rows])?;
         let ranges = self.sort();
         let (missed, hit) = ranges.split_last().expect("there is the range of misses");
         for (class, range) in hit.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
-            self.dispatch(SHADE + class, &[0, range.start, range.end])?;
+            self.dispatch(Stage::Shade, SHADE + class, range.len() as u32, &[0, range.start, range.end])?;
         }
-        self.dispatch(MISS, &[missed.start, missed.end])?;
-        self.dispatch(SHADOW, &[0, missed.start])
+        self.dispatch(Stage::Miss, MISS, missed.len() as u32, &[missed.start, missed.end])?;
+        self.dispatch(Stage::Shadow, SHADOW, missed.start, &[0, missed.start])
     }
 
     /// Counting sort: the rows of live paths by class into `order`, ascending within a class. Gives the range of each class and,
@@ -190,14 +209,15 @@ impl Thread<'_> {
         }
     }
 
-    /// Run a kernel.
-    fn dispatch(&mut self, kernel: usize, args: &[u32]) -> Result<(), Error> {
+    /// Run a kernel over so many rows.
+    fn dispatch(&mut self, stage: Stage, kernel: usize, rows: u32, args: &[u32]) -> Result<(), Error> {
         let Streams { paths, next, hits, order, shadows } = &mut self.streams;
         self.bindings[binding::<Paths>()] = paths.bind();
         self.bindings[binding::<Next>()] = next.bind();
         self.bindings[binding::<Hits>()] = hits.bind();
         self.bindings[binding::<Order>()] = order.bind();
         self.bindings[binding::<Shadows>()] = shadows.bind();
-        call(&self.wave.kernels[kernel], &self.bindings, args)
+        let Thread { wave, bindings, clock, .. } = self;
+        clock.stage(stage, rows, || call(&wave.kernels[kernel], bindings, args))
     }
 }

@@ -1,13 +1,8 @@
 //! Time on a machine that others use too.
 
-use std::sync::LazyLock;
-use std::time::Instant;
+use jerboa_lib_render::host::clock::thread_time;
 
-/// Seconds that this thread has run for: wall time tells little on a machine that is shared. Linux counts it in nanoseconds;
-/// elsewhere it is wall time.
+/// Seconds that this thread has run for: wall time tells little on a machine that is shared.
 pub fn processor_time() -> f64 {
-    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
-    let counted = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = counted.and_then(|s| s.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| START.elapsed().as_secs_f64(), |t| 1e-9 * t)
+    thread_time().as_secs_f64()
 }

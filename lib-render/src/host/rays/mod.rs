@@ -7,7 +7,6 @@
 //! ([`Set::Shadow`]): that one asks for any hit, the others for the nearest.
 
 use std::path::Path;
-use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift::{self as clif, Binding, Status};
@@ -15,6 +14,7 @@ use jerboa_scenes::{Camera, Scene};
 use rayon::prelude::*;
 
 use super::bvh::Triangle;
+use super::clock::thread_time;
 use super::error::Error;
 use super::tables::geometry::Geometry;
 use super::tables::memory::Memory;
@@ -244,14 +244,6 @@ impl RayBench {
         let origins = out.iter().map(|r| r.0).collect();
         Ok((out, origins))
     }
-}
-
-/// Time that this thread has run for, as Linux counts it; elsewhere wall time.
-fn thread_time() -> Duration {
-    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
-    let counted = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = counted.and_then(|s| s.split(' ').next()?.parse().ok());
-    nanoseconds.map_or_else(|| START.elapsed(), Duration::from_nanos)
 }
 
 /// Rays of one call, and what they hit: two streams.
