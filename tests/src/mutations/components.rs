@@ -182,4 +182,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "throughput",
         mistake: "roulette ends paths and does not make up for it",
     },
+    Mutation {
+        name: "shadow-ray-of-another-path",
+        file: "lib-render/src/device/stream.rs",
+        before: "b.load_record(Paths::RNG_START, path)",
+        after: "b.load_record(Paths::RNG_START, i)",
+        mistake: "a stream that was sorted is read by the row after sorting: cut-outs are decided by another path's numbers",
+    },
 ];

@@ -55,4 +55,12 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "i as usize > vertices",
         mistake: "index = number of vertices passes (gltf 1.4.1 accepts any)",
     },
+    // ---- devices
+    Mutation {
+        name: "last-misses-are-not-shaded",
+        file: "lib-render/src/host/wave.rs",
+        before: "&[missed.start, missed.end]",
+        after: "&[missed.start, missed.end.saturating_sub(1).max(missed.start)]",
+        mistake: "the last path of a wave that meets nothing keeps what lies in its row",
+    },
 ];

@@ -125,4 +125,41 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "IntCC::UnsignedLessThanOrEqual",
         mistake: "a store at index = length is made",
     },
+    // ---- backend-cranelift, lanes
+    Mutation {
+        name: "remaining-lanes-off-by-one",
+        file: "backend-cranelift/src/lanes/copy.rs",
+        before: "w.w.prim(Op::Lt, &[iota, all], loc)",
+        after: "w.w.prim(Op::Le, &[iota, all], loc)",
+        mistake: "one lane too many in the last round of a `vectorize`",
+    },
+    Mutation {
+        name: "other-arm-under-the-whole-mask",
+        file: "backend-cranelift/src/lanes/choice.rs",
+        before: "w.without(mask, cond)",
+        after: "{ _ = w.without(mask, cond); mask }",
+        mistake: "the lanes of the first arm go through the second one, too",
+    },
+    Mutation {
+        name: "last-to-join-passes-for-all",
+        file: "backend-cranelift/src/lanes/function.rs",
+        before: "self.lanes.writer.select(mask, &value, &old)",
+        after: "value.clone()",
+        mistake: "where lanes meet, the value of the arm that came last stands for all",
+    },
+    Mutation {
+        name: "value-of-the-last-round-passes-for-all",
+        file: "backend-cranelift/src/lanes/function.rs",
+        before: "self.lanes.writer.select(mask, &vector, &old)",
+        after: "vector.clone()",
+        mistake: "a lane that has left a loop sees what the loop computes for others",
+    },
+    // ---- peval, vectorize
+    Mutation {
+        name: "half-of-a-vectorize-is-none",
+        file: "peval/src/tidy/forward.rs",
+        before: "bound(lo).zip(bound(hi)).is_some_and(|(lo, hi)| lo >= hi)",
+        after: "bound(lo).zip(bound(hi)).is_some_and(|(lo, hi)| lo + 1 >= hi)",
+        mistake: "a `vectorize` over one index is dropped as one over none",
+    },
 ];
