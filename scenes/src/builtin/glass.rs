@@ -12,7 +12,8 @@ pub(super) fn glass() -> Scene {
     let pane = scene.paint(Material { volume: None, ..Material::glass("pane", 1.5) });
     let lamp = scene.paint(Material::emitter("lamp", [8.0; 3]));
     scene.place(sphere(vec3(-1.2, 0.5, 0.0), 0.5, 5), glass);
-    scene.place(solid(vec3(-0.3, 0.0, -0.3), [Vec3::X * 0.7, Vec3::Y * 0.9, Vec3::Z * 0.7]), glass);
+    // A hair above the floor: where two surfaces coincide the one of smaller number is seen.
+    scene.place(solid(vec3(-0.3, 0.01, -0.3), [Vec3::X * 0.7, Vec3::Y * 0.9, Vec3::Z * 0.7]), glass);
     scene.place(quad(vec3(0.8, 0.0, 0.4), Vec3::X, Vec3::Y), pane);
     scene.place(panel(vec3(0.0, 3.0, 0.0), 1.0, 1.0), lamp);
     scene.view([0.0, 1.4, 5.0], [0.0, 0.4, 0.0], 0.6, (640, 360));
