@@ -115,7 +115,7 @@ impl Buffers {
                     b.ins().umin(indices, last)
                 }
             };
-            pack::wide_lanes(b, rows).map(|row| Distance::of_wide(b, row, words.stride))
+            Distance::of_lanes(b, rows, words.stride)
         })
     }
 

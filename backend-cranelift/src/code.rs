@@ -120,7 +120,7 @@ impl Kernel<'_> {
     ///
     /// # Safety
     /// For each buffer that the kernel touches, `bindings` holds its memory: so many rows as it says, at least one for a
-    /// table, with a word for each column, aligned to 4 bytes. While the kernel runs nobody writes to a table, nor to a
+    /// table, with a word for each column, aligned to 4 bytes, less than 2^32 words in all. While the kernel runs nobody writes to a table, nor to a
     /// stream's words that the kernel touches, nor reads words that it writes; the memory of two bindings is disjoint
     /// unless both are only read. Indices that the program reads unchecked are less than the number of rows. The calling
     /// thread has [`crate::STACK_LIMIT`] bytes of stack left.

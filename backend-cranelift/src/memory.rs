@@ -68,16 +68,35 @@ impl Distance {
     }
 
     /// To this row, as 64 bits.
-    pub fn of_wide(b: &mut FunctionBuilder, row: Value, stride: u32) -> Distance {
-        let shift = stride.trailing_zeros().min(3);
-        let step = stride >> shift;
+    fn of_wide(b: &mut FunctionBuilder, row: Value, stride: u32) -> Distance {
+        let (step, shift) = step(stride);
         let steps = match step.is_power_of_two() {
             true if step == 1 => row,
             true => b.ins().ishl_imm_u(row, i64::from(step.trailing_zeros())),
             false => b.ins().imul_imm_u(row, i64::from(step)),
         };
-        Distance { steps, shift: i64::from(shift) }
+        Distance { steps, shift }
     }
+
+    /// To four rows, the lanes of a part of `u32`. Steps are counted in 32 bits: a step is a word at least.
+    pub fn of_lanes(b: &mut FunctionBuilder, rows: Value, stride: u32) -> [Distance; LANES] {
+        let (step, shift) = step(stride);
+        let steps = match step.is_power_of_two() {
+            true if step == 1 => rows,
+            true => b.ins().ishl_imm_u(rows, i64::from(step.trailing_zeros())),
+            false => {
+                let step = pack::constant(b, types::I32X4, [step; LANES]);
+                b.ins().imul(rows, step)
+            }
+        };
+        pack::wide_lanes(b, steps).map(|steps| Distance { steps, shift })
+    }
+}
+
+/// Bytes between rows as a number of steps, and the logarithm of a step that an address takes in.
+fn step(stride: u32) -> (u32, i64) {
+    let shift = stride.trailing_zeros().min(3);
+    (stride >> shift, i64::from(shift))
 }
 
 /// A local array in the frame.

@@ -48,9 +48,8 @@ impl Emitter<'_> {
         self.b.ins().brif(all, straight, &[], looping, &[]);
         self.b.switch_to_block(straight);
         for (at, (index, value)) in indices.iter().zip(&values).enumerate() {
-            let rows = pack::wide_lanes(&mut self.b, *index);
-            for (lane, row) in rows.into_iter().enumerate().take(lanes - at * LANES) {
-                let distance = Distance::of_wide(&mut self.b, row, words.stride);
+            let distances = Distance::of_lanes(&mut self.b, *index, words.stride);
+            for (lane, distance) in distances.into_iter().enumerate().take(lanes - at * LANES) {
                 let to = words.at(&mut self.b, distance);
                 let word = self.b.ins().extractlane(*value, lane as u8);
                 self.b.ins().store(MemFlagsData::trusted(), word, to.address, to.offset);
