@@ -393,6 +393,8 @@ table! {
         G: F32, bulk;
         /// Blue.
         B: F32, bulk;
+        /// Nothing: lanes load rows of four words at once.
+        PADDING: F32, bulk;
     }
 }
 

@@ -55,6 +55,8 @@ table! {
         Y: F32, bulk;
         /// z
         Z: F32, bulk;
+        /// Nothing: lanes load rows of four words at once.
+        PADDING: F32, bulk;
     }
 }
 
@@ -67,6 +69,8 @@ table! {
         Y: F32, bulk;
         /// z
         Z: F32, bulk;
+        /// Nothing: lanes load rows of four words at once.
+        PADDING: F32, bulk;
     }
 }
 
