@@ -10,7 +10,7 @@ const HALF_STEP: f32 = 1.0 / 33_554_432.0;
 pub fn invert(b: &mut Block, count: U32, cdf: impl Fn(U32) -> F32, u: F32) -> U32 {
     let more = |_: &mut Block, (lo, hi): (U32, U32)| lo.lt(hi);
     let halve = |_: &mut Block, (lo, hi): (U32, U32)| {
-        let middle = (lo + hi) / 2u32;
+        let middle = (lo + hi) >> 1u32;
         let above = cdf(middle + 1u32).le(u);
         (above.select(middle + 1u32, lo), above.select(hi, middle))
     };
