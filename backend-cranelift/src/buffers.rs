@@ -33,8 +33,8 @@ pub(crate) struct Buffers {
     distances: FxHashMap<(BufId, Value), Distance>,
     /// Distances to the rows of a part of indices, clamped to a last row or unchecked, for a stride. Likewise.
     gathered: FxHashMap<(Option<Value>, Value, u32), [Distance; LANES]>,
-    /// Four columns of a table by rows, at the rows of a part of indices. Likewise.
-    windows: FxHashMap<(Value, Option<Value>, Value, i32), [Value; LANES]>,
+    /// Four columns of a buffer by rows, at the rows of a part of indices, and whether they stay as they are. Likewise.
+    windows: FxHashMap<(Value, Option<Value>, Value, i32), ([Value; LANES], bool)>,
     /// Parts of last rows. Likewise.
     lasts: FxHashMap<Value, Value>,
 }
@@ -119,22 +119,37 @@ impl Buffers {
         })
     }
 
-    /// Four lanes of a column of a table by rows of four columns at least: its row of each lane is loaded at once with three
-    /// neighbours, which are there for whoever wants them next.
-    pub fn window(&mut self, b: &mut FunctionBuilder, words: &Words, indices: Value, unchecked: bool) -> Value {
+    /// Four lanes of a column of a buffer by rows of four columns at least: its row of each lane is loaded at once with three
+    /// neighbours, which are there for whoever wants them next. Only `readonly` flags say that nobody stores to it.
+    pub fn window(
+        &mut self,
+        b: &mut FunctionBuilder,
+        words: &Words,
+        indices: Value,
+        unchecked: bool,
+        flags: MemFlagsData,
+    ) -> Value {
         let bytes = part(Scalar::F32).bytes() as i32;
         let start = (words.offset / bytes * bytes).min(words.stride as i32 - bytes);
         let last = if unchecked { None } else { Some(words.last) };
         let key = (words.base, last, indices, start);
         if !self.windows.contains_key(&key) {
+            let mut unaligned = MemFlagsData::new().with_notrap();
+            if flags.readonly() {
+                unaligned.set_readonly();
+            }
             let rows = self.distances(b, words, indices, unchecked).map(|distance| {
                 let row = words.at(b, distance).address;
-                let flags = MemFlagsData::new().with_notrap().with_readonly();
-                b.ins().load(part(Scalar::F32), flags, row, start)
+                b.ins().load(part(Scalar::F32), unaligned, row, start)
             });
-            self.windows.insert(key, pack::transposed(b, rows));
+            self.windows.insert(key, (pack::transposed(b, rows), flags.readonly()));
         }
-        self.windows[&key][((words.offset - start) / 4) as usize]
+        self.windows[&key].0[((words.offset - start) / 4) as usize]
+    }
+
+    /// Streams may have changed.
+    pub fn changed(&mut self) {
+        self.windows.retain(|_, (_, readonly)| *readonly);
     }
 
     /// Another block begins: what was made in this one may not dominate it.

@@ -9,6 +9,7 @@ mod deferred;
 mod exit;
 mod gather;
 mod range;
+mod rows;
 mod run;
 mod shortcut;
 mod value;
@@ -74,6 +75,7 @@ pub(crate) fn emit(
         area: None,
         scratch: [None; 2],
         group: None,
+        rows: None,
         deferred: BTreeMap::new(),
     };
     e.begin(&unit.schedules[index]);
@@ -128,6 +130,8 @@ struct Emitter<'a> {
     scratch: [Option<StackSlot>; 2],
     /// The runs that are under way.
     group: Option<run::Group>,
+    /// The stores of rows that are under way.
+    rows: Option<rows::Rows>,
     /// Loads of runs that nobody has used yet, by the block whose parameter they are.
     deferred: BTreeMap<u32, deferred::Deferred>,
 }

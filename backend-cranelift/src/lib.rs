@@ -10,7 +10,7 @@
 //! | continuation parameters | block parameters (SSA in functional clothes: Appel, *SSA is functional programming*, 1998) | `function.rs` |
 //! | pure nodes | instructions, in the block that [`jerboa_ir::schedule`] chose | `function/value.rs`, `ops.rs` |
 //! | tables, streams, local arrays | addresses from [`Binding`]s, stack slots | `buffers.rs`, `memory.rs`, `function/access.rs` |
-//! | their vectors | runs, gathers, scatters | `function/run.rs`, `function/gather.rs` |
+//! | their vectors | runs, gathers, scatters | `function/run.rs`, `function/rows.rs`, `function/gather.rs` |
 //! | `vectorize` | a loop over lanes, made by [`mod@lanes`] before all else, or one iteration after the other | `lanes/mod.rs` |
 //! | vector | a value of 128 bits for every four lanes; of `bool` a mask of 0 and −1 | `vector.rs`, `pack.rs`, `simd.rs` |
 //!
@@ -23,10 +23,10 @@
 //! one index share the comparison that says so; if it fails, they go through copies in the frame, lane by lane. A run is
 //! stored whole if its mask is all true. Under another mask a local array takes a blend; of a stream only the words under
 //! the mask are touched, since another thread may own those beside them. A run is loaded where it is first used. A gather
-//! clamps its indices as vectors and shares the addresses with other columns of the same buffer; of a table by rows of
-//! four columns or more it loads four columns at once. Measured per lane at 8 lanes, against scalars (one thread, x86-64
-//! with AVX2, data in L2): a copy by runs 0.16 ns (0.60), a gather 0.31 ns (1.04), four columns of a table by rows 0.60 ns
-//! (2.25), a scatter 0.33 ns (0.99).
+//! clamps its indices as vectors and shares the addresses with other columns of the same buffer; of a buffer by rows of
+//! four columns or more it loads four columns at once, and a run is stored to one four columns at once. Measured per lane
+//! at 8 lanes, against scalars (one thread, x86-64 with AVX2, data in L2): a copy by runs 0.16 ns (0.60), a gather 0.31 ns
+//! (1.04), four columns of a table by rows 0.60 ns (2.25), a scatter 0.33 ns (0.99).
 //!
 //! **Width.** A kernel of 380 operations on 16 columns takes 16.2 ns per lane at 4 lanes, 11.7 at 8, 10.4 at 16; its code is
 //! made in 1.8, 3.1 and 10.9 ms. [`Opt::Speed`] takes two to five times as long and makes slower code from 8 lanes on (14.8

@@ -71,6 +71,7 @@ impl Emitter<'_> {
     ) -> Result<(), String> {
         let p = self.unit.program;
         let (scalar, lanes) = p.ty(value).lanes().ok_or("it stores what is no data")?;
+        self.buffers.changed();
         if lanes > 1 && data(p.ty(index)).1 == 1 {
             return self.store_run(block, mem, index, value, mask);
         }

@@ -26,7 +26,10 @@ impl Emitter<'_> {
                 let args = self.all_values(args);
                 self.go_to(block, &args);
             }
-            Exit::Call { callee, args, back } => self.call(callee, args, back),
+            Exit::Call { callee, args, back } => {
+                self.call(callee, args, back);
+                self.buffers.changed();
+            }
             Exit::Arms => self.arms(block, &p.cont(cont).body)?,
         }
         Ok(())
@@ -185,6 +188,7 @@ impl Emitter<'_> {
             }
             Body::Vectorize { lo, hi, body, args, next, .. } => {
                 self.vectorize(*lo, *hi, *body, args);
+                self.buffers.changed();
                 self.go_to(self.target(*next), &[]);
             }
             Body::Local { len, next, .. } => {

@@ -22,9 +22,9 @@ impl Emitter<'_> {
     ) -> Vec<Value> {
         let one = |(at, indices): (usize, &Value)| {
             let there = LANES.min(lanes - at * LANES);
-            // A lane that is not there may have any index, and only a table stays as it is.
-            if flags.readonly() && words.stride >= 16 && (there == LANES || !unchecked) {
-                let gathered = self.buffers.window(&mut self.b, &words, *indices, unchecked);
+            // A lane that is not there may have any index.
+            if words.stride >= 16 && (there == LANES || !unchecked) {
+                let gathered = self.buffers.window(&mut self.b, &words, *indices, unchecked, flags);
                 let gathered = pack::cast(&mut self.b, part(scalar), gathered);
                 return vector::of_words(&mut self.b, scalar, gathered);
             }

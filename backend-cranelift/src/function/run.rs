@@ -136,6 +136,9 @@ impl Emitter<'_> {
     ) -> Result<(), String> {
         let (scalar, lanes) = data(self.unit.program.ty(value));
         if !self.is_whole(mem, lanes) {
+            if lanes.is_multiple_of(LANES) {
+                return self.store_rows(block, mem, index, value, mask);
+            }
             let (words, row) = (self.words(mem)?, self.scalar(index));
             let rows = self.rows_from(row, lanes);
             self.scatter(words, &rows, value, mask);
@@ -210,7 +213,7 @@ impl Emitter<'_> {
     }
 
     /// The run that leaves this block and those that follow it, alike but for column and value.
-    fn group_of(&self, block: u32, first: &Mem) -> Vec<Mem> {
+    pub(super) fn group_of(&self, block: u32, first: &Mem) -> Vec<Mem> {
         let p = self.unit.program;
         let Mem::Stream(column) = first else { return vec![*first] };
         let body = |block: u32| &p.cont(self.f.blocks[block as usize].cont).body;
@@ -383,7 +386,7 @@ impl Emitter<'_> {
     }
 
     /// The rows of a run.
-    fn rows_from(&mut self, row: Value, lanes: usize) -> Vec<Value> {
+    pub(super) fn rows_from(&mut self, row: Value, lanes: usize) -> Vec<Value> {
         let first = self.b.ins().splat(types::I32X4, row);
         let one = |start: usize| {
             let lanes = pack::constant(&mut self.b, types::I32X4, std::array::from_fn(|l| (start + l) as u32));

@@ -275,6 +275,56 @@ fun f(i: u32, j: u32, mask: boolx8, return: fn(f32x8, boolx8, f32x8, f32x8))
     }
 }
 
+/// A row is stored as far as it is known, under the mask and where there is a row; what was loaded with its neighbours before
+/// is loaded again.
+#[test]
+fn runs_of_rows() {
+    let names = ["a", "b", "c", "d", "e", "g", "h"];
+    let kind = |name: &str| if name == "d" { "bool" } else { "f32" };
+    let columns = names.map(|name| format!("  {name}: {} bulk\n", kind(name))).concat();
+    let load = |suffix: &str| {
+        let one = |name: &&str| {
+            format!(
+                "  load s.{name} at -> got_{name}{suffix}\n  rest got_{name}{suffix}({name}{suffix}: {}x8)\n",
+                kind(name)
+            )
+        };
+        names.iter().map(one).collect::<String>()
+    };
+    // All but the first column, the last two at first with another value.
+    let store = ["g a", "h b", "b c", "c h", "d d", "e a", "g e", "h g"];
+    let store = store.iter().enumerate().map(|(i, what)| {
+        let (column, value) = what.split_once(' ').expect("two names");
+        format!("  store s.{column} j {value} when mask -> stored{i}\n  rest stored{i}()\n")
+    });
+    let results = |suffix: &str| names.map(|name| format!("{name}{suffix}")).join(", ");
+    let types = names.map(|name| format!("{}x8", kind(name))).join(", ");
+    let p = residual(&format!(
+        "stream s by rows
+{columns}entry f = f
+fun f(at: u32x8, j: u32, mask: boolx8, return: fn({types}, {types}))
+{}{}{}  jump return({}, {})
+",
+        load(""),
+        store.collect::<String>(),
+        load("2"),
+        results(""),
+        results("2"),
+    ));
+    for rows in [0, 1, 7, 8, 21] {
+        let words = (0..rows * 7).map(|i| f32::from((i * 37 % 101) as u16).to_bits());
+        let memory = [memory(rows, words)];
+        for (at, j) in [(0, 0), (3, 13), (13, 14), (20, u32::MAX - 4)] {
+            for mask in [0xff, 0, 0b1010_0110] {
+                let at = (0..8).map(|l| Lit::U32(at + l % 5 * 3));
+                let mask = (0..8).map(|l| Lit::Bool(mask >> l & 1 == 1));
+                let args: Vec<Lit> = at.chain([Lit::U32(j)]).chain(mask).collect();
+                agree(&p, "f", &args, &memory);
+            }
+        }
+    }
+}
+
 /// Columns of a table by rows come with their neighbours, of any width of row.
 #[test]
 fn gathers_of_whole_rows() {

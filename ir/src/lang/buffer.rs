@@ -290,9 +290,13 @@ macro_rules! table {
     };
 }
 
-/// Declares a stream: a type with one constant per column, `NAME: type;`. It lies column by column.
+/// Declares a stream: a type with one constant per column, `NAME: type;`. It lies column by column, `rows` row by row.
 #[macro_export]
 macro_rules! stream {
+    ($(#[$doc:meta])* $vis:vis rows $name:ident { $($(#[$cdoc:meta])* $col:ident: $ty:ident;)* }) => {
+        $crate::buffer_type! { $(#[$doc])* $vis $name, $crate::BufKind::Stream, $crate::Layout::Rows,
+            { $($(#[$cdoc])* $col: $ty, bulk;)* } }
+    };
     ($(#[$doc:meta])* $vis:vis $name:ident { $($(#[$cdoc:meta])* $col:ident: $ty:ident;)* }) => {
         $crate::buffer_type! { $(#[$doc])* $vis $name, $crate::BufKind::Stream, $crate::Layout::Columns,
             { $($(#[$cdoc])* $col: $ty, bulk;)* } }

@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use jerboa_backend_cranelift::Binding;
+use jerboa_ir::Layout;
 use jerboa_ir::lang::{Buf, Col};
 
 use super::dispatch::{call, tables_bound};
@@ -80,26 +81,28 @@ impl Wave {
     }
 }
 
-/// A stream in memory, column by column.
+/// A stream in memory, row by row.
 struct Stream {
     words: Vec<u32>,
-    rows: usize,
+    /// Words of a row.
+    columns: usize,
 }
 
 impl Stream {
-    /// Room for so many rows, at least.
+    /// Room for so many rows.
     fn new<B: Buf>(rows: usize) -> Stream {
-        // Columns at a distance of a power of two would fall on the same few lines of the cache.
-        let rows = rows.next_multiple_of(1024) + 48;
-        Stream { words: vec![0; rows * B::COLUMNS.len()], rows }
+        assert!(B::LAYOUT == Layout::Rows || B::COLUMNS.len() == 1, "the host reads it row by row");
+        Stream { words: vec![0; rows * B::COLUMNS.len()], columns: B::COLUMNS.len() }
     }
 
     fn bind(&mut self) -> Binding {
-        Binding::new(&mut self.words, self.rows as u32)
+        let rows = self.words.len() / self.columns;
+        Binding::new(&mut self.words, rows as u32)
     }
 
-    fn column<B, T>(&self, column: Col<B, T>) -> &[u32] {
-        &self.words[column.0 as usize * self.rows..][..self.rows]
+    /// A word.
+    fn at<B, T>(&self, column: Col<B, T>, row: usize) -> u32 {
+        self.words[row * self.columns + column.0 as usize]
     }
 }
 
@@ -173,10 +176,12 @@ impl Thread<'_, '_> {
     fn sort(&mut self) -> Vec<Range<u32>> {
         let shaders = self.wave.kernels.len() - SHADE;
         let Streams { paths, hits, order, .. } = &mut self.streams;
-        let (alive, class) = (paths.column(Paths::ALIVE), hits.column(Hits::CLASS));
         // One kernel shades all classes if there are too many.
-        let place = |row: usize| if class[row] == NONE { shaders } else { (class[row] as usize).min(shaders - 1) };
-        let live = || (0..self.rows as usize).filter(|row| alive[*row] != 0);
+        let place = |row: usize| match hits.at(Hits::CLASS, row) {
+            NONE => shaders,
+            class => (class as usize).min(shaders - 1),
+        };
+        let live = || (0..self.rows as usize).filter(|row| paths.at(Paths::ALIVE, *row) != 0);
         let mut ends = vec![0; shaders + 1];
         live().for_each(|row| ends[place(row)] += 1);
         let mut end = 0;
@@ -197,14 +202,12 @@ impl Thread<'_, '_> {
     fn retire(&mut self, work: &mut impl Work) {
         std::mem::swap(&mut self.streams.paths, &mut self.streams.next);
         let paths = &self.streams.paths;
-        let sample = [Paths::R, Paths::G, Paths::B].map(|c| paths.column(c));
-        let rays = [Paths::CLOSEST, Paths::SHADOW].map(|c| paths.column(c));
-        let (alive, item) = (paths.column(Paths::ALIVE), paths.column(Paths::ITEM));
         self.rows = self.live;
-        for row in (0..self.rows as usize).filter(|row| alive[*row] == 0) {
-            let [r, g, b] = sample.map(|c| c[row]);
-            let [closest, shadow] = rays.map(|c| c[row]);
-            work.done(item[row], [r, g, b, closest, shadow]);
+        for row in (0..self.rows as usize).filter(|row| paths.at(Paths::ALIVE, *row) == 0) {
+            let sample = [Paths::R, Paths::G, Paths::B].map(|column| paths.at(column, row));
+            let rays = [Paths::CLOSEST, Paths::SHADOW].map(|column| paths.at(column, row));
+            let ([r, g, b], [closest, shadow]) = (sample, rays);
+            work.done(paths.at(Paths::ITEM, row), [r, g, b, closest, shadow]);
             self.live -= 1;
         }
     }

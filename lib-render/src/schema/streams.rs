@@ -23,7 +23,7 @@ macro_rules! paths {
     ($(#[$doc:meta])* $name:ident) => {
         stream! {
             $(#[$doc])*
-            pub $name {
+            pub rows $name {
                 /// The record `Ray`.
                 ORG_X: F32;
                 /// See `ORG_X`.
@@ -84,6 +84,10 @@ macro_rules! paths {
                 ITEM: U32;
                 /// Is there a ray to trace?
                 ALIVE: Bool;
+                /// Nothing: a row is 128 bytes.
+                PADDING0: U32;
+                /// See `PADDING0`.
+                PADDING1: U32;
             }
         }
     };
@@ -101,7 +105,7 @@ paths! {
 
 stream! {
     /// Where the rays of [`Paths`] end, row by row.
-    pub Hits {
+    pub rows Hits {
         /// The record `Hit`.
         PRIMITIVE: U32;
         /// See [`Hits::PRIMITIVE`].
@@ -125,7 +129,7 @@ stream! {
 
 stream! {
     /// Shadow rays, for the rows of [`Next`].
-    pub Shadows {
+    pub rows Shadows {
         /// The record `Ray`.
         ORG_X: F32;
         /// See [`Shadows::ORG_X`].
@@ -154,5 +158,9 @@ stream! {
         B: F32;
         /// Is there a shadow ray?
         ASKED: Bool;
+        /// Nothing: a row is 64 bytes.
+        PADDING0: U32;
+        /// See [`Shadows::PADDING0`].
+        PADDING1: U32;
     }
 }
