@@ -11,7 +11,11 @@ fn every_mutation_finds_its_text_once() {
     for m in all() {
         match std::fs::read_to_string(root().join(m.file)) {
             Ok(text) => {
-                faults.extend(m.seed(&text).err());
+                let parsed = m.seed(&text).and_then(|seeded| match syn::parse_file(&seeded) {
+                    Ok(_) => Ok(()),
+                    Err(e) => Err(format!("`{}`: its text is no expression where it stands: {e}", m.name)),
+                });
+                faults.extend(parsed.err());
                 if !Source::sample(m.file, &text).code().contains(m.before) {
                     faults.push(format!("`{}`: its text is no code of {}", m.name, m.file));
                 }

@@ -28,8 +28,9 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "smith-is-height-correlated",
         file: "lib-render/src/bsdf/rough.rs",
-        before: "f: d * (o * i), ",
-        after: "f: { let [go, gi] = [self.wo.z * o, wi.z * i]; d * (o * i) / (go + gi - go * gi) }, ",
+        before: "Facet { cos: length * 0.5, f: d * (o * i), pdf: d * o }",
+        after: "{ let [go, gi] = [self.wo.z * o, wi.z * i]; \
+                Facet { cos: length * 0.5, f: d * (o * i) / (go + gi - go * gi), pdf: d * o } }",
         mistake: "height-correlated instead of separable Smith masking, which glTF's text asks for",
     },
     Mutation {
@@ -114,8 +115,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "small-directions-clamped",
         file: "lib-render/src/traverse/line.rs",
-        before: "let inv = F32x4::splat(1.0) / dir",
-        after: "let inv = F32x4::splat(1.0) / with_sign(abs(dir).max(F32x4::splat(1.2e-7)), dir)",
+        before: "F32x4::splat(1.0) / dir",
+        after: "F32x4::splat(1.0) / with_sign(abs(dir).max(F32x4::splat(1.2e-7)), dir)",
         mistake: "the inverse of a small component is that of 1.2e-7 (obvhs: 14 % of raw directions miss at scale 1e-6)",
     },
     Mutation {

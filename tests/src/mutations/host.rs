@@ -59,8 +59,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "last-misses-are-not-shaded",
         file: "lib-render/src/host/wave.rs",
-        before: "&[missed.start, missed.end]",
-        after: "&[missed.start, missed.end.saturating_sub(1).max(missed.start)]",
+        before: "missed.end",
+        after: "missed.end.saturating_sub(1).max(missed.start)",
         mistake: "the last path of a wave that meets nothing keeps what lies in its row",
     },
 ];
