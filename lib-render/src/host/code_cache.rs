@@ -4,13 +4,14 @@
 //! uses is kept for a while, since an edit is often undone, and freed when there is much of it.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use jerboa_backend_cranelift::{Code, Options};
 use jerboa_ir::Program;
 use jerboa_ir::hash::{hash, is_same};
 use rayon::prelude::*;
 
+use super::clock::thread_time;
 use super::error::Error;
 
 /// Kernels that are kept although nobody uses them, the youngest: those of a few edits. One takes up to 3 MiB with its residual.
@@ -27,7 +28,7 @@ struct Entry {
 /// In the order of their last use, the latest last.
 static CACHE: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
 
-/// Machine code of each of these residuals, and the time that making it took (0 if it was there), in parallel.
+/// Machine code of each of these residuals, and the time that a thread ran for it (0 if it was there), in parallel.
 pub fn compile(programs: &[&Program], options: &Options) -> Result<Vec<(Arc<Code>, Duration)>, Error> {
     let hashes: Vec<u128> = programs.iter().map(|p| hash(p)).collect();
     let first = |i: usize| (0..i).find(|j| hashes[*j] == hashes[i] && is_same(programs[*j], programs[i])).unwrap_or(i);
@@ -41,10 +42,10 @@ pub fn compile(programs: &[&Program], options: &Options) -> Result<Vec<(Arc<Code
             if let Some(code) = find(hashes[i], options, programs[i]) {
                 return Ok(Some((code, Duration::ZERO)));
             }
-            let start = Instant::now();
+            let start = thread_time();
             let code = jerboa_backend_cranelift::compile(&[programs[i]], options);
             let code = Arc::new(code.map_err(|e| Error::new(e.to_string()))?);
-            let time = start.elapsed();
+            let time = thread_time().saturating_sub(start);
             keep(Entry { hash: hashes[i], options: *options, program: programs[i].clone(), code: code.clone() });
             Ok(Some((code, time)))
         })

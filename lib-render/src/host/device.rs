@@ -17,8 +17,8 @@ pub enum DeviceKind {
     CpuScalar,
 }
 
-/// Most classes of shaders for which there is a kernel each. Beyond it one kernel shades all, so that the time of
-/// specialisation does not grow with the scene.
+/// Most kernels that shade. If there are more classes of shaders, the last kernel shades all of those that have none of their
+/// own, so that the time of specialisation does not grow with the scene.
 pub const MOST_CLASSES: u32 = 64;
 
 impl DeviceKind {
@@ -26,7 +26,7 @@ impl DeviceKind {
     pub const ALL: [DeviceKind; 2] = [DeviceKind::Cpu, DeviceKind::CpuScalar];
 
     /// The kernels that show what a tracer shows. Those of [`DeviceKind::Cpu`] are `generate`, `trace`, `miss`, `shadow` and
-    /// a `shade` for each class, in this order.
+    /// a `shade` for each class, in this order; beyond [`MOST_CLASSES`] one that reads from tables what it needs to know.
     pub fn requests(self, tables: &Tables, tracer: TracerKind) -> Vec<Request> {
         let entry = |name: &str, unknown: usize| Request {
             name: name.into(),
@@ -41,15 +41,13 @@ impl DeviceKind {
             vec![entry(&of_tracer("generate"), 4), entry("trace", 2), entry(&of_tracer("miss"), 2), entry("shadow", 2)];
         let shade = entry(&of_tracer("shade"), 3);
         let shaders = tables.facts.tables.get(binding::<Geometries>()).map_or(1, |t| t.classes.max(1));
-        if shaders > MOST_CLASSES {
-            requests.push(shade);
-        } else {
-            requests.extend((0..shaders).map(|class| Request {
-                name: format!("{}.{class}", shade.name),
-                args: vec![Arg::Class(class), Arg::Unknown, Arg::Unknown],
-                entry: shade.entry.clone(),
-            }));
-        }
+        let own = if shaders > MOST_CLASSES { MOST_CLASSES - 1 } else { shaders };
+        requests.extend((0..own).map(|class| Request {
+            name: format!("{}.{class}", shade.name),
+            args: vec![Arg::Class(class), Arg::Unknown, Arg::Unknown],
+            entry: shade.entry.clone(),
+        }));
+        requests.extend((own < shaders).then_some(shade));
         requests
     }
 }

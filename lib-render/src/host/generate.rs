@@ -11,6 +11,7 @@ use jerboa_ir::lang::build;
 use jerboa_peval::{Arg, Generic, Residual, specialize};
 use rayon::prelude::*;
 
+use super::clock::thread_time;
 use super::code_cache::compile;
 use super::error::Error;
 use super::tables::Tables;
@@ -102,9 +103,9 @@ pub struct Generated {
     pub residual: Residual,
     /// Machine code; kernels with equal residuals share it.
     pub code: Arc<clif::Code>,
-    /// Time of specialisation, on one thread.
+    /// Time that a thread ran for its specialisation.
     pub specialize_time: Duration,
-    /// Time of code generation, on one thread; 0 if the code was there already.
+    /// Time that a thread ran for its code; 0 if the code was there already.
     pub codegen_time: Duration,
 }
 
@@ -131,8 +132,8 @@ pub fn generate(tables: &Tables, requests: &[Request], keep: Keep) -> Result<Ker
         .par_iter()
         .with_max_len(1)
         .map(|request| {
-            let start = Instant::now();
-            Ok((residual(tables, request, keep)?, start.elapsed()))
+            let start = thread_time();
+            Ok((residual(tables, request, keep)?, thread_time().saturating_sub(start)))
         })
         .collect::<Result<Vec<_>, Error>>()?;
     let specialize_time = start.elapsed();

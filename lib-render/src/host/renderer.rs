@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::device::DeviceKind;
 use super::error::Error;
 use super::film::Film;
-use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
+use super::generate::{Generated, Keep, Kernels, TracerKind, generate, generic};
 use super::scalar;
 use super::tables::{Choices, Known, Pass, Tables};
 use super::wave::Wave;
@@ -75,7 +75,7 @@ pub struct Renderer {
     pub(super) device: Device,
     /// Wall time of laying the scene out, without the tree.
     pub tables_time: Duration,
-    /// Wall time of specialisation.
+    /// Wall time of specialisation, and of waiting for the generic program where this is the first renderer of the process.
     pub specialize_time: Duration,
     /// Wall time of code generation.
     pub codegen_time: Duration,
@@ -152,7 +152,7 @@ pub struct Stats {
 
 /// Most samples of a pixel in one pass over a tile. The first passes are shorter, so that a render that is ended early has
 /// a sample everywhere.
-const SAMPLES_PER_PASS: u32 = 16;
+pub(super) const SAMPLES_PER_PASS: u32 = 16;
 
 impl Renderer {
     /// Lay out the scene, specialise the renderer for it and compile it.
@@ -161,11 +161,15 @@ impl Renderer {
     /// When the evaluator or the code generator gives up: a fault of Jerboa, not of the scene.
     pub fn new(scene: &Scene, options: Options) -> Result<Renderer, Error> {
         let start = Instant::now();
-        let tables = Tables::new(scene, &options.choices, options.known);
-        let tables_time = start.elapsed().saturating_sub(tables.bvh_time);
+        let lay_out = || (Tables::new(scene, &options.choices, options.known), Instant::now());
+        // The generic program is made once in a process, and no scene is needed for it.
+        let ((tables, laid_out), _) = rayon::join(lay_out, generic);
+        let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
+        let waited = laid_out.elapsed();
         let requests = options.device.requests(&tables, options.tracer);
         let Kernels { kernels, specialize_time, codegen_time } = generate(&tables, &requests, options.keep)?;
         let device = Device::new(kernels, &options);
+        let specialize_time = waited + specialize_time;
         Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
     }
 
@@ -209,22 +213,33 @@ impl Renderer {
         while first < job.spp && !handle.is_cancelled() {
             let samples = first.clamp(1, SAMPLES_PER_PASS).min(job.spp - first);
             let pass = Pass { size, window, sample: job.sample + first, samples, seed: job.seed };
-            let tiles = Tiles::new(camera, self.tables.origin, pass, self.options.cut.tile, film, handle);
-            (0..rayon::current_num_threads())
-                .into_par_iter()
-                .with_max_len(1)
-                .try_for_each(|_| self.run(&mut tiles.worker()))?;
-            let [closest, shadow] = tiles.rays();
+            let (complete, [closest, shadow]) = self.pass(camera, film, pass, handle)?;
             stats.closest_rays += closest;
             stats.shadow_rays += shadow;
             first += samples;
-            if tiles.is_complete() {
+            if complete {
                 stats.spp = first;
             }
         }
         film.asked_below(job.sample + first);
         stats.time = start.elapsed();
         Ok(stats)
+    }
+
+    /// Add one pass. Says whether it was completed, and how many closest-hit and shadow rays it took.
+    pub(super) fn pass(
+        &self,
+        camera: &Camera,
+        film: &mut Film,
+        pass: Pass,
+        handle: &Handle,
+    ) -> Result<(bool, [u64; 2]), Error> {
+        let tiles = Tiles::new(camera, self.tables.origin, pass, self.options.cut.tile, film, handle);
+        (0..rayon::current_num_threads())
+            .into_par_iter()
+            .with_max_len(1)
+            .try_for_each(|_| self.run(&mut tiles.worker()))?;
+        Ok((tiles.is_complete(), tiles.rays()))
     }
 
     /// What the device leaves for each sample of a pass: the words of the stream [`crate::schema::Samples`], column by column.

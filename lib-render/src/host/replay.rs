@@ -24,7 +24,7 @@ pub fn interpret(
     observer: &mut impl Observer,
 ) -> Result<Vec<u32>, Error> {
     let items = pass.window.area() as u32 * pass.samples;
-    let mut memory = tables.memory.clone();
+    let mut memory: Vec<Memory> = tables.memory.iter().map(|m| Memory::clone(m)).collect();
     memory[binding::<Frame>()] = frame(camera, tables.origin, pass);
     memory[binding::<Samples>()] = Memory { rows: items, words: vec![0; items as usize * Samples::COLUMNS.len()] };
     let entry = program.entry(kernel).ok_or_else(|| Error::new(format!("there is no kernel `{kernel}`")))?;

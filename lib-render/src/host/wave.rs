@@ -176,7 +176,7 @@ impl Thread<'_, '_> {
     fn sort(&mut self) -> Vec<Range<u32>> {
         let shaders = self.wave.kernels.len() - SHADE;
         let Streams { paths, hits, order, .. } = &mut self.streams;
-        // One kernel shades all classes if there are too many.
+        // The last kernel shades what has none of its own.
         let place = |row: usize| match hits.at(Hits::CLASS, row) {
             NONE => shaders,
             class => (class as usize).min(shaders - 1),

@@ -15,9 +15,9 @@ use rayon::prelude::*;
 
 use super::bvh::Triangle;
 use super::clock::thread_time;
+use super::dispatch::tables_bound;
 use super::error::Error;
 use super::tables::geometry::Geometry;
-use super::tables::memory::Memory;
 use super::tables::{Choices, Known, Tables};
 use crate::schema::NONE;
 
@@ -180,8 +180,7 @@ impl RayBench {
 
     /// Answers the rays of a chunk.
     fn trace(&self, set: Set, chunk: &mut Chunk) -> Result<(), Error> {
-        let table = |m: &Memory| Binding { words: m.words.as_ptr().cast_mut(), rows: m.rows };
-        let mut bindings: Vec<Binding> = self.tables.memory.iter().map(table).collect();
+        let mut bindings = tables_bound(&self.tables);
         bindings.push(Binding::new(&mut chunk.rays, chunk.count));
         bindings.push(Binding::new(&mut chunk.found, chunk.count));
         let kernel = self.code.kernel(set.kernel()).expect("it was compiled under this name");

@@ -1,13 +1,15 @@
 //! Classes: rows that agree in every known column (Law 2), and the facts that the evaluator gets.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use jerboa_ir::lang::{Spec, SpecTy};
 use jerboa_ir::{BufKind, Lit, Time};
 use jerboa_peval::{ColumnFacts, Facts, TableFacts, Target};
 
 use super::memory::Memory;
-use crate::schema::BUFFERS;
+use crate::host::device::MOST_CLASSES;
+use crate::schema::{BUFFERS, Geometries, binding};
 
 /// What a specialisation knows of the scene.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
@@ -32,27 +34,71 @@ impl Known {
 }
 
 /// Number the classes of every classed table, write them to column 0, and say what is known of each.
-pub fn classify(memory: &mut [Memory], known: Known) -> Facts {
-    let rows = |(spec, m): (&Spec, &Memory)| vec![0; if is_classed(spec) { m.rows as usize } else { 0 }];
-    let mut classes: Vec<Vec<u32>> = BUFFERS.iter().zip(&*memory).map(rows).collect();
+///
+/// Classes that `former` facts had keep their numbers, as far as they can: so an edit leaves alone the kernels of classes
+/// that it does not touch.
+pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Facts {
     if known == Known::Nothing {
         return Facts::none();
     }
+    let mut classes = partitions(memory, known);
+    // So many kernels differ in numbers only; what they would gain by them is not worth the time to make them.
+    let shaders = |classes: &[Vec<u32>]| count(&classes[binding::<Geometries>()]);
+    let known = if shaders(&classes) > MOST_CLASSES { Known::Structure } else { known };
+    if known == Known::Structure {
+        classes = partitions(memory, known);
+    }
+    for (classes, former) in classes.iter_mut().zip(&former.tables) {
+        keep_numbers(classes, &former.class_of);
+    }
+    for (b, (spec, rows)) in BUFFERS.iter().zip(&classes).enumerate() {
+        if is_classed(spec) {
+            let words = &mut Arc::make_mut(&mut memory[b]).words;
+            rows.iter().enumerate().for_each(|(row, class)| words[row * spec.3.len()] = *class);
+        }
+    }
+    Facts { tables: BUFFERS.iter().enumerate().map(|(b, s)| facts(b, s, memory, &classes, known)).collect() }
+}
+
+/// The class of each row of each table, numbered by first occurrence.
+fn partitions(memory: &[Arc<Memory>], known: Known) -> Vec<Vec<u32>> {
+    let rows = |(spec, m): (&Spec, &Arc<Memory>)| vec![0; if is_classed(spec) { m.rows as usize } else { 0 }];
+    let mut classes: Vec<Vec<u32>> = BUFFERS.iter().zip(memory).map(rows).collect();
     // A class refines with the classes it refers to; references form no cycle, so this settles.
     loop {
         let refined: Vec<Vec<u32>> =
             BUFFERS.iter().enumerate().map(|(b, s)| partition(b, s, memory, &classes, known)).collect();
         if refined == classes {
-            break;
+            return classes;
         }
         classes = refined;
     }
-    for (b, (spec, rows)) in BUFFERS.iter().zip(&classes).enumerate() {
-        if is_classed(spec) {
-            rows.iter().enumerate().for_each(|(row, class)| memory[b].words[row * spec.3.len()] = *class);
+}
+
+fn count(classes: &[u32]) -> u32 {
+    classes.iter().max().map_or(0, |c| c + 1)
+}
+
+/// Number classes as they were: each gets the number that most of its rows had, the largest claim first; the others get
+/// the lowest numbers that are left.
+fn keep_numbers(classes: &mut [u32], former: &[u32]) {
+    let count = count(classes) as usize;
+    let mut claims: HashMap<(u32, u32), usize> = HashMap::new();
+    for (class, number) in classes.iter().zip(former).filter(|(_, number)| (**number as usize) < count) {
+        *claims.entry((*class, *number)).or_default() += 1;
+    }
+    let mut claims: Vec<_> = claims.into_iter().collect();
+    claims.sort_unstable_by_key(|((class, number), rows)| (std::cmp::Reverse(*rows), *number, *class));
+    let (mut number_of, mut taken) = (vec![None; count], vec![false; count]);
+    for ((class, number), _) in claims {
+        if number_of[class as usize].is_none() && !taken[number as usize] {
+            number_of[class as usize] = Some(number);
+            taken[number as usize] = true;
         }
     }
-    Facts { tables: BUFFERS.iter().enumerate().map(|(b, s)| facts(b, s, memory, &classes, known)).collect() }
+    let mut left = (0..count as u32).filter(|number| !taken[*number as usize]);
+    let number_of: Vec<u32> = number_of.into_iter().map(|n| n.or_else(|| left.next()).expect("as many")).collect();
+    classes.iter_mut().for_each(|class| *class = number_of[*class as usize]);
 }
 
 fn is_classed(spec: &Spec) -> bool {
@@ -64,7 +110,7 @@ fn table(name: &str) -> usize {
 }
 
 /// Class of each row, numbered by first occurrence.
-fn partition(b: usize, spec: &Spec, memory: &[Memory], classes: &[Vec<u32>], known: Known) -> Vec<u32> {
+fn partition(b: usize, spec: &Spec, memory: &[Arc<Memory>], classes: &[Vec<u32>], known: Known) -> Vec<u32> {
     if !is_classed(spec) {
         return Vec::new();
     }
@@ -87,14 +133,14 @@ fn partition(b: usize, spec: &Spec, memory: &[Memory], classes: &[Vec<u32>], kno
     .collect()
 }
 
-fn facts(b: usize, spec: &Spec, memory: &[Memory], classes: &[Vec<u32>], known: Known) -> TableFacts {
+fn facts(b: usize, spec: &Spec, memory: &[Arc<Memory>], classes: &[Vec<u32>], known: Known) -> TableFacts {
     if !is_classed(spec) {
         return TableFacts::default();
     }
     let class_of = classes[b].clone();
-    let count = class_of.iter().max().map_or(1, |c| c + 1);
+    let count = count(&class_of).max(1);
     let first: Vec<usize> =
-        (0..count).map(|k| class_of.iter().position(|c| *c == k).expect("numbered by occurrence")).collect();
+        (0..count).map(|k| class_of.iter().position(|c| *c == k).expect("no class is empty")).collect();
     let word = |row: usize, col: usize| memory[b].words[row * spec.3.len() + col];
     let column = |(col, c): (usize, &jerboa_ir::lang::ColumnSpec)| match c.ty {
         _ if col == 0 || !known.knows(c.time) => ColumnFacts::Unknown,
@@ -110,4 +156,25 @@ fn facts(b: usize, spec: &Spec, memory: &[Memory], classes: &[Vec<u32>], known: 
         ),
     };
     TableFacts { class_of, classes: count, columns: spec.3.iter().enumerate().map(column).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::keep_numbers;
+
+    #[test]
+    fn classes_keep_their_numbers() {
+        let renumbered = |mut classes: Vec<u32>, former: &[u32]| {
+            keep_numbers(&mut classes, former);
+            classes
+        };
+        // The first row leaves class 0, which is still that of most of its rows.
+        assert_eq!(renumbered(vec![0, 1, 1, 2], &[0, 0, 0, 1]), [2, 0, 0, 1]);
+        // Class 1 has lost its row; the last number fills the gap.
+        assert_eq!(renumbered(vec![0, 0, 1, 2], &[0, 1, 2, 3]), [0, 0, 2, 1]);
+        // Rows came, and rows went.
+        assert_eq!(renumbered(vec![0, 1, 2], &[1]), [1, 0, 2]);
+        assert_eq!(renumbered(vec![0], &[1, 0, 0]), [0]);
+        assert_eq!(renumbered(vec![0, 1, 0], &[]), [0, 1, 0]);
+    }
 }

@@ -18,8 +18,6 @@ pub struct Geometry {
     pub triangles: Vec<Triangle>,
     /// Material of each primitive.
     pub materials: Vec<u32>,
-    /// Instance that each primitive belongs to.
-    pub instances: Vec<u32>,
     vertices: Table<Vertices>,
     corners: Vec<[u32; 3]>,
     geometry_of: Vec<u32>,
@@ -42,45 +40,43 @@ const FAR: f64 = 16.0;
 impl Geometry {
     /// Lay out all instances.
     pub fn new(scene: &Scene) -> Geometry {
+        let vertices = scene.instances.iter().map(|i| scene.meshes[i.mesh].positions.len()).sum();
         let mut g = Geometry {
             origin: origin(scene),
             triangles: Vec::new(),
             materials: Vec::new(),
-            instances: Vec::new(),
-            vertices: Table::new(),
+            vertices: Table::with_rows(vertices),
             corners: Vec::new(),
             geometry_of: Vec::new(),
             geometries: Table::new(),
             attributes: Attributes::default(),
         };
         let mut rows = HashMap::new();
-        for (number, instance) in scene.instances.iter().enumerate() {
-            g.add(number as u32, instance, &scene.meshes[instance.mesh], &mut rows);
+        let triangles = scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum();
+        g.triangles.reserve_exact(triangles);
+        g.materials.reserve_exact(triangles);
+        g.corners.reserve_exact(triangles);
+        g.geometry_of.reserve_exact(triangles);
+        for instance in &scene.instances {
+            g.add(instance, &scene.meshes[instance.mesh], &mut rows);
         }
         g
     }
 
     /// One instance: its vertices, its triangles and the row that says what they have in common.
-    fn add(&mut self, number: u32, instance: &Instance, mesh: &Mesh, rows: &mut HashMap<[u32; 5], u32>) {
-        let to_world = DAffine3 { translation: instance.to_world.translation - self.origin, ..instance.to_world };
+    fn add(&mut self, instance: &Instance, mesh: &Mesh, rows: &mut HashMap<[u32; 5], u32>) {
         let first = self.vertices.rows();
-        let positions: Vec<Vec3> =
-            mesh.positions.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
-        for p in &positions {
+        let placed = Placed::new(instance, mesh, self.origin);
+        for p in &placed.positions {
             self.vertices.push().set_all([Vertices::X, Vertices::Y, Vertices::Z], p.to_array());
         }
-        self.attributes.add(mesh, to_world.matrix3, first as usize);
+        self.attributes.add(mesh, placed.to_world.matrix3, first as usize);
         let geometry = self.geometry_row(mesh, rows);
-        // A mirroring instance turns the winding round; swapping two corners keeps the front where it was.
-        let mirrored = to_world.matrix3.determinant() < 0.0;
-        for [a, b, c] in &mesh.triangles {
-            let corners = if mirrored { [*a, *c, *b] } else { [*a, *b, *c] };
-            let corners = longest_side_last(corners, &positions);
-            self.triangles.push(corners.map(|i| positions[i as usize].to_array()));
+        for corners in placed.corners(mesh) {
+            self.triangles.push(placed.triangle(corners));
             self.corners.push(corners.map(|i| first + i));
             self.geometry_of.push(geometry);
             self.materials.push(mesh.material as u32);
-            self.instances.push(number);
         }
     }
 
@@ -104,14 +100,14 @@ impl Geometry {
         })
     }
 
-    /// Primitives, given the light that each one is (or `NONE`).
-    pub fn primitives(&self, light_of: &[u32]) -> Memory {
+    /// Primitives; which of them are lights is [`super::lights::mark`]'s to say.
+    pub fn primitives(&self) -> Memory {
         use Primitives as P;
-        let mut table = Table::<P>::new();
+        let mut table = Table::<P>::with_rows(self.corners.len());
         for (i, [a, b, c]) in self.corners.iter().enumerate() {
             let mut row = table.push();
             row.set(P::I0, *a).set(P::I1, *b).set(P::I2, *c);
-            row.set(P::GEOMETRY, self.geometry_of[i]).set(P::LIGHT, light_of[i]);
+            row.set(P::GEOMETRY, self.geometry_of[i]).set(P::LIGHT, NONE);
             for (column, x) in Plane::of(&self.triangles[i]).columns() {
                 row.set(column, x);
             }
@@ -122,15 +118,15 @@ impl Geometry {
     /// The tables of geometries, vertices, normals, texture coordinates and tangents.
     pub fn finish(self) -> [Memory; 5] {
         let Attributes { normals, uvs, tangents } = self.attributes;
-        let mut n = Table::<Normals>::new();
+        let mut n = Table::<Normals>::with_rows(normals.len());
         for x in normals {
             n.push().set_all([Normals::X, Normals::Y, Normals::Z], x.to_array());
         }
-        let mut u = Table::<Uvs>::new();
+        let mut u = Table::<Uvs>::with_rows(uvs.len());
         for [a, b] in uvs {
             u.push().set_all([Uvs::U0, Uvs::V0, Uvs::U1, Uvs::V1], [a.x, a.y, b.x, b.y]);
         }
-        let mut t = Table::<Tangents>::new();
+        let mut t = Table::<Tangents>::with_rows(tangents.len());
         for x in tangents {
             t.push().set_all([Tangents::X, Tangents::Y, Tangents::Z, Tangents::SIGN], x.to_array());
         }
@@ -163,6 +159,37 @@ impl Attributes {
                 |t: &Vec4| (to_world * t.truncate().as_dvec3()).normalize_or_zero().as_vec3().extend(t.w * sign as f32);
             self.tangents.extend(tangents.iter().map(world));
         }
+    }
+}
+
+/// A mesh in the world.
+pub(super) struct Placed {
+    to_world: DAffine3,
+    /// Corners, world less the origin.
+    positions: Vec<Vec3>,
+}
+
+impl Placed {
+    /// Place a mesh; `origin` is subtracted from its positions.
+    pub fn new(instance: &Instance, mesh: &Mesh, origin: DVec3) -> Placed {
+        let to_world = DAffine3 { translation: instance.to_world.translation - origin, ..instance.to_world };
+        let positions = mesh.positions.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
+        Placed { to_world, positions }
+    }
+
+    /// The corners of each triangle, in their order.
+    pub fn corners(&self, mesh: &Mesh) -> impl Iterator<Item = [u32; 3]> {
+        // A mirroring instance turns the winding round; swapping two corners keeps the front where it was.
+        let mirrored = self.to_world.matrix3.determinant() < 0.0;
+        mesh.triangles.iter().map(move |[a, b, c]| {
+            let corners = if mirrored { [*a, *c, *b] } else { [*a, *b, *c] };
+            longest_side_last(corners, &self.positions)
+        })
+    }
+
+    /// Where these corners are.
+    pub fn triangle(&self, corners: [u32; 3]) -> Triangle {
+        corners.map(|i| self.positions[i as usize].to_array())
     }
 }
 

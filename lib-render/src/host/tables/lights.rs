@@ -1,9 +1,12 @@
 //! Lights: punctual ones, emissive triangles (paired where two form a parallelogram) and the environment.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
+use jerboa_ir::lang::Buf;
 use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 
-use super::geometry::Geometry;
+use super::geometry::Placed;
 use super::memory::{Memory, RowMut, Table};
 use crate::host::bvh::{Triangle, can_be_hit};
 use crate::host::distribution::{Distribution1D, Distribution2D};
@@ -17,8 +20,8 @@ pub struct LightTables {
     pub lights: Memory,
     /// [`LightChoice`].
     pub choice: Memory,
-    /// For each primitive the light that it is, or `NONE`.
-    pub light_of: Vec<u32>,
+    /// Primitives that are lights, and which.
+    pub marks: Vec<(u32, u32)>,
     /// Number of lights.
     pub count: u32,
 }
@@ -32,7 +35,7 @@ struct Candidate {
 
 enum Kind {
     Punctual(usize),
-    Area { primitive: u32, other: Option<Quad> },
+    Area { emitter: Emitter, other: Option<Quad> },
     Environment,
 }
 
@@ -47,10 +50,19 @@ struct Quad {
 /// Relative deviation from a parallelogram up to which two triangles are paired: 4 units in the last place.
 const PARALLELOGRAM: f32 = 4.0 * f32::EPSILON;
 
-/// Collect the lights of a scene. `radius` is that of the bounding sphere.
-pub fn lights(scene: &Scene, geometry: &Geometry, radius: f32) -> LightTables {
+/// A triangle that shines.
+struct Emitter {
+    /// Its number among all triangles of the scene.
+    primitive: u32,
+    triangle: Triangle,
+    instance: usize,
+    material: usize,
+}
+
+/// Collect the lights of a scene. `origin` is subtracted from positions, `radius` is that of the bounding sphere.
+pub fn lights(scene: &Scene, origin: DVec3, radius: f32) -> LightTables {
     let mut candidates: Vec<Candidate> = punctual(scene, radius).collect();
-    candidates.extend(area(scene, geometry));
+    candidates.extend(area(scene, origin));
     if scene.environment.as_ref().is_some_and(|e| e.intensity > 0.0) {
         // Half of the samples: what share of an environment reaches the inside of a scene is not known here.
         let others: f64 = candidates.iter().map(|c| c.power).sum();
@@ -59,7 +71,7 @@ pub fn lights(scene: &Scene, geometry: &Geometry, radius: f32) -> LightTables {
     let mut out = LightTables {
         lights: Memory::default(),
         choice: Memory::default(),
-        light_of: vec![NONE; geometry.triangles.len()],
+        marks: Vec::new(),
         count: candidates.len() as u32,
     };
     let mut table = Table::<L>::new();
@@ -70,10 +82,10 @@ pub fn lights(scene: &Scene, geometry: &Geometry, radius: f32) -> LightTables {
             let mut row = table.push();
             row.set(L::PROBABILITY, distribution.probability(i)).set(L::SCENE_RADIUS, radius);
             row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE);
-            write(&mut row, scene, geometry, &c.kind);
-            if let Kind::Area { primitive, other } = &c.kind {
-                out.light_of[*primitive as usize] = i as u32;
-                other.iter().for_each(|q| out.light_of[q.primitive as usize] = i as u32);
+            write(&mut row, scene, origin, &c.kind);
+            if let Kind::Area { emitter, other } = &c.kind {
+                out.marks.push((emitter.primitive, i as u32));
+                out.marks.extend(other.map(|q| (q.primitive, i as u32)));
             }
         }
         distribution.cdf.iter().for_each(|p| {
@@ -99,45 +111,70 @@ fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {
     lit.map(move |(i, l)| Candidate { power: power(l), kind: Kind::Punctual(i) })
 }
 
+/// Triangles of materials that emit, without a look at the others.
+fn emitters(scene: &Scene, origin: DVec3) -> Vec<Emitter> {
+    let mut first = 0;
+    let mut emitters = Vec::new();
+    for (number, instance) in scene.instances.iter().enumerate() {
+        let mesh = &scene.meshes[instance.mesh];
+        if scene.materials[mesh.material].is_emissive() {
+            let placed = Placed::new(instance, mesh, origin);
+            emitters.extend(placed.corners(mesh).zip(first..).map(|(corners, primitive)| Emitter {
+                primitive,
+                triangle: placed.triangle(corners),
+                instance: number,
+                material: mesh.material,
+            }));
+        }
+        first += mesh.triangles.len() as u32;
+    }
+    emitters
+}
+
 /// Emissive triangles with an area. Neighbours in the list that form a parallelogram become one light: apart, the seam
 /// between them would double the variance.
-fn area<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = Candidate> + 'a {
-    let emissive = |p: usize| scene.materials[geometry.materials[p] as usize].is_emissive();
+fn area(scene: &Scene, origin: DVec3) -> impl Iterator<Item = Candidate> {
     // Looked at once for each material: an image may have millions of texels, a mesh millions of triangles.
     let means: Vec<f64> =
         scene.materials.iter().map(|m| if m.is_emissive() { texture_mean(scene, m) } else { 0.0 }).collect();
-    let mut next = 0;
+    let mut emitters = emitters(scene, origin).into_iter().peekable();
     std::iter::from_fn(move || {
-        while next < geometry.triangles.len() {
-            let p = next;
-            next += 1;
-            let area = f64::from(area_of(&geometry.triangles[p]));
+        loop {
+            let emitter = emitters.next()?;
+            let area = f64::from(area_of(&emitter.triangle));
             // Edges rounded to single precision may have an area where the triangle has none, and none where it has one.
-            if !emissive(p) || area <= 0.0 || !can_be_hit(&geometry.triangles[p]) {
+            if area <= 0.0 || !can_be_hit(&emitter.triangle) {
                 continue;
             }
-            let m = &scene.materials[geometry.materials[p] as usize];
-            let same = |q: usize| {
-                q < geometry.triangles.len()
-                    && geometry.instances[q] == geometry.instances[p]
-                    && m.emissive_texture.is_none()
-            };
-            let other =
-                if same(p + 1) { parallelogram(&geometry.triangles[p], &geometry.triangles[p + 1]) } else { None };
-            next += usize::from(other.is_some());
+            let m = &scene.materials[emitter.material];
+            let second = emitters.peek().filter(|e| e.instance == emitter.instance && m.emissive_texture.is_none());
+            let other = second.and_then(|e| {
+                let corner = parallelogram(&emitter.triangle, &e.triangle)?;
+                Some(Quad { primitive: e.primitive, corner })
+            });
+            if other.is_some() {
+                emitters.next();
+            }
             let sides = if m.double_sided { 2.0 } else { 1.0 };
             let halves = if other.is_some() { 2.0 } else { 1.0 };
-            let power = luminance(m.emissive)
-                * means[geometry.materials[p] as usize]
-                * area
-                * halves
-                * sides
-                * std::f64::consts::PI;
-            let other = other.map(|corner| Quad { primitive: p as u32 + 1, corner });
-            return Some(Candidate { power, kind: Kind::Area { primitive: p as u32, other } });
+            let power = luminance(m.emissive) * means[emitter.material] * area * halves * sides * std::f64::consts::PI;
+            return Some(Candidate { power, kind: Kind::Area { emitter, other } });
         }
-        None
     })
+}
+
+/// Tell each primitive that is a light which one it is. `former` says which were before.
+pub fn mark(primitives: &mut Arc<Memory>, former: &[(u32, u32)], marks: &[(u32, u32)]) {
+    // Most changes of lights keep this, and a copy is large.
+    if former == marks {
+        return;
+    }
+    let words = &mut Arc::make_mut(primitives).words;
+    let mut set = |primitive: u32, light: u32| {
+        words[primitive as usize * Primitives::COLUMNS.len() + Primitives::LIGHT.0 as usize] = light;
+    };
+    former.iter().for_each(|(primitive, _)| set(*primitive, NONE));
+    marks.iter().for_each(|(primitive, light)| set(*primitive, *light));
 }
 
 /// Mean luminance of the emission's texture, by codes; never below 1/255, so that no lit texel goes unsampled.
@@ -177,18 +214,17 @@ fn parallelogram(t: &Triangle, s: &Triangle) -> Option<usize> {
     })
 }
 
-fn write(row: &mut RowMut<L>, scene: &Scene, geometry: &Geometry, kind: &Kind) {
+fn write(row: &mut RowMut<L>, scene: &Scene, origin: DVec3, kind: &Kind) {
     match kind {
-        Kind::Punctual(i) => punctual_row(row, &scene.lights[*i], geometry.origin),
-        Kind::Area { primitive, other } => {
-            let material = geometry.materials[*primitive as usize];
-            let m = &scene.materials[material as usize];
-            let [p, e1, e2] = edges(&geometry.triangles[*primitive as usize], other.map_or(0, |q| q.corner));
+        Kind::Punctual(i) => punctual_row(row, &scene.lights[*i], origin),
+        Kind::Area { emitter, other } => {
+            let m = &scene.materials[emitter.material];
+            let [p, e1, e2] = edges(&emitter.triangle, other.map_or(0, |q| q.corner));
             let whole = if other.is_some() { 1.0 } else { 0.5 };
             let area = e1.as_dvec3().cross(e2.as_dvec3()).length() * whole;
             row.set(L::KIND, if other.is_some() { LIGHT_QUAD } else { LIGHT_TRIANGLE });
             row.set(L::DOUBLE_SIDED, m.double_sided).set(L::TEXTURED, m.emissive_texture.is_some());
-            row.set(L::MATERIAL, material).set(L::PRIMITIVE, *primitive);
+            row.set(L::MATERIAL, emitter.material as u32).set(L::PRIMITIVE, emitter.primitive);
             row.set(L::PRIMITIVE1, other.map_or(NONE, |q| q.primitive)).set(L::AREA, area as f32);
             row.set_all([L::P_X, L::P_Y, L::P_Z], p.to_array()).set_all([L::E1_X, L::E1_Y, L::E1_Z], e1.to_array());
             row.set_all([L::E2_X, L::E2_Y, L::E2_Z], e2.to_array()).set_all([L::R, L::G, L::B], m.emissive);
@@ -227,6 +263,7 @@ pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
             .set(E::HEIGHT, e.height)
             .set(E::INTENSITY, e.intensity)
             .set_all([E::ROTATION_COS, E::ROTATION_SIN], [cos as f32, sin as f32]);
+        texels = Table::with_rows(e.radiance.len());
         for c in &e.radiance {
             texels.push().set_all([EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B], *c);
         }

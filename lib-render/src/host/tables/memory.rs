@@ -57,6 +57,13 @@ impl<B: Buf> Table<B> {
         Table::default()
     }
 
+    /// An empty table with room for so many rows.
+    pub fn with_rows(rows: usize) -> Self {
+        let mut table = Table::default();
+        table.memory.words.reserve_exact(rows * B::COLUMNS.len());
+        table
+    }
+
     /// Append a row of zeros.
     pub fn push(&mut self) -> RowMut<'_, B> {
         let start = self.memory.words.len();

@@ -14,10 +14,10 @@ pub mod plane;
 pub mod lights;
 pub mod classes;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use jerboa_ir::BufKind;
 use jerboa_ir::lang::Buf;
 use jerboa_peval::Facts;
 use jerboa_scenes::{Camera, Scene};
@@ -52,10 +52,11 @@ impl Default for Choices {
     }
 }
 
-/// A scene in memory, by binding number.
+/// A scene in memory, by binding number. A copy shares the memory.
+#[derive(Clone)]
 pub struct Tables {
     /// Content of each buffer; empty for streams and for [`Frame`], which each pass brings.
-    pub memory: Vec<Memory>,
+    pub memory: Vec<Arc<Memory>>,
     /// What is known of it.
     pub facts: Facts,
     /// Subtracted from world positions; see [`geometry::Geometry::origin`].
@@ -68,20 +69,8 @@ pub struct Tables {
     radius: f32,
     /// Images whose texels are laid out, in their order.
     images: Vec<usize>,
-}
-
-/// What a change replaced.
-pub struct Former {
-    memory: Vec<(usize, Memory)>,
-    facts: Facts,
-    images: Vec<usize>,
-}
-
-impl Former {
-    /// What was known.
-    pub fn facts(&self) -> &Facts {
-        &self.facts
-    }
+    /// Primitives that are lights, and which.
+    marks: Vec<(u32, u32)>,
 }
 
 /// How far a change of a scene reaches beyond materials, textures and settings.
@@ -96,8 +85,8 @@ pub struct Change {
 impl Tables {
     /// Lay out a scene.
     pub fn new(scene: &Scene, choices: &Choices, known: Known) -> Tables {
-        let mut memory = vec![Memory::default(); schema::BUFFERS.len()];
-        let mut put = |binding: usize, m: Memory| memory[binding] = m;
+        let mut memory = vec![Arc::default(); schema::BUFFERS.len()];
+        let mut put = |binding: usize, m: Memory| memory[binding] = Arc::new(m);
 
         // Materials and what they look up.
         let mut textures = textures::Textures::new(scene);
@@ -116,7 +105,7 @@ impl Tables {
 
         // Lights.
         let radius = radius(&bvh);
-        let lights = lights::lights(scene, &geometry, radius);
+        let lights = lights::lights(scene, geometry.origin, radius);
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
@@ -126,7 +115,7 @@ impl Tables {
         put(binding::<EnvironmentRows>(), rows);
 
         put(binding::<Settings>(), settings(scene, choices, lights.count));
-        put(binding::<Primitives>(), geometry.primitives(&lights.light_of));
+        put(binding::<Primitives>(), geometry.primitives());
         let origin = geometry.origin;
         let [geometries, vertices, normals, uvs, tangents] = geometry.finish();
         put(binding::<Geometries>(), geometries);
@@ -137,53 +126,34 @@ impl Tables {
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
-        let facts = classes::classify(&mut memory, known);
-        Tables { memory, facts, origin, dropped: bvh.dropped, bvh_time, radius, images }
+        lights::mark(&mut memory[binding::<Primitives>()], &[], &lights.marks);
+
+        let facts = classes::classify(&mut memory, known, &Facts::none());
+        Tables { memory, facts, origin, dropped: bvh.dropped, bvh_time, radius, images, marks: lights.marks }
     }
 
-    /// Lay out the same scene after a change of materials, textures or lights. Gives what was there.
-    pub fn change(&mut self, scene: &Scene, choices: &Choices, known: Known, change: Change) -> Former {
-        // Classes are numbered anew in every table that has them.
-        let classed = |b: &usize| schema::BUFFERS[*b].1 == BufKind::Table { classed: true };
-        let mut memory: Vec<(usize, Memory)> =
-            (0..schema::BUFFERS.len()).filter(classed).map(|b| (b, self.memory[b].clone())).collect();
-        let mut put = |binding: usize, m: Memory| {
-            memory.push((binding, std::mem::replace(&mut self.memory[binding], m)));
-        };
+    /// The same scene after a change of materials, textures or lights. What has not changed is shared.
+    pub fn changed(&self, scene: &Scene, choices: &Choices, known: Known, change: Change) -> Tables {
+        let mut new = self.clone();
+        let mut put = |binding: usize, m: Memory| new.memory[binding] = Arc::new(m);
         let mut textures = textures::Textures::new(scene);
         put(binding::<Materials>(), materials::materials(scene, &mut textures));
-        let images = textures.images().to_vec();
-        if change.texels || images != self.images {
+        if change.texels || textures.images() != self.images {
             put(binding::<Texels>(), textures.texels());
         }
+        new.images = textures.images().to_vec();
         put(binding::<Textures>(), textures.finish());
-        let mut count = None;
+        let mut count = self.memory[binding::<Settings>()].words[Settings::LIGHT_COUNT.0 as usize];
         if change.lights {
-            let geometry = geometry::Geometry::new(scene);
-            let lights = lights::lights(scene, &geometry, self.radius);
+            let lights = lights::lights(scene, self.origin, self.radius);
             put(binding::<Lights>(), lights.lights);
             put(binding::<LightChoice>(), lights.choice);
-            put(binding::<Primitives>(), geometry.primitives(&lights.light_of));
-            count = Some(lights.count);
+            lights::mark(&mut new.memory[binding::<Primitives>()], &self.marks, &lights.marks);
+            (count, new.marks) = (lights.count, lights.marks);
         }
-        let former = &self.memory[binding::<Settings>()].words;
-        let count = count.unwrap_or(former[Settings::LIGHT_COUNT.0 as usize]);
-        self.memory[binding::<Settings>()] = settings(scene, choices, count);
-        let facts = classes::classify(&mut self.memory, known);
-        Former {
-            memory,
-            facts: std::mem::replace(&mut self.facts, facts),
-            images: std::mem::replace(&mut self.images, images),
-        }
-    }
-
-    /// Take a change back.
-    pub fn restore(&mut self, former: Former) {
-        // The first that was kept of a table is the oldest.
-        for (binding, memory) in former.memory.into_iter().rev() {
-            self.memory[binding] = memory;
-        }
-        (self.facts, self.images) = (former.facts, former.images);
+        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, count));
+        new.facts = classes::classify(&mut new.memory, known, &self.facts);
+        new
     }
 
     /// Does this material emit?

@@ -110,9 +110,8 @@ impl<'a> Textures<'a> {
 
     /// The texels of the images in use.
     pub fn texels(&self) -> Memory {
-        let texels = self.images.iter().flat_map(|image| &self.scene.images[*image].rgba);
-        let mut table = Table::<Texels>::new();
-        for rgba in texels {
+        let mut table = Table::<Texels>::with_rows(self.count as usize);
+        for rgba in self.images.iter().flat_map(|image| &self.scene.images[*image].rgba) {
             table.push().set(Texels::RGBA, u32::from_le_bytes(*rgba));
         }
         table.finish()

@@ -1,5 +1,7 @@
 //! Whole renders with one remedy replaced at a time.
 
+use std::sync::Arc;
+
 use jerboa_backend_cranelift as cranelift;
 use jerboa_ir::lang::{Buf, Exit, F32, build};
 use jerboa_lib_render::camera::make_perspective_camera;
@@ -151,7 +153,7 @@ impl Kernel {
         let pass = Pass { size: [SIDE; 2], window, sample: 0, samples: SAMPLES, seed: 0 };
         let mut frame = frame(&self.camera, self.tables.origin, &pass).words;
         let mut samples = vec![0_u32; items as usize * Samples::COLUMNS.len()];
-        let memory = self.tables.memory.iter_mut();
+        let memory = self.tables.memory.iter_mut().map(Arc::make_mut);
         let mut bindings: Vec<_> = memory.map(|m| cranelift::Binding::new(&mut m.words, m.rows)).collect();
         bindings[binding::<Frame>()] = cranelift::Binding::new(&mut frame, 1);
         bindings[binding::<Samples>()] = cranelift::Binding::new(&mut samples, items);
