@@ -51,6 +51,13 @@ pub enum BenchCommand {
     /// random order, and to lights. `--write` leaves the sets in files, for other tracers: per ray eight 32-bit floats, origin, 0,
     /// direction, end.
     Rays(RaysArgs),
+    /// Edit a material while the scene is rendered: milliseconds until it is seen
+    ///
+    /// A line for each kind of edit, in milliseconds, the first one and the median: the work of making the new renderer, the time
+    /// until it was made, and until a whole pass showed it, a sample for each pixel; then how many kernels were specialised anew,
+    /// and how many of them compiled, by the first. From a value, which needs nothing made, to the first coloured glass of a scene,
+    /// which concerns every kernel.
+    Edits(EditsArgs),
     /// Count lines of code and Halstead's effort of the renderer and its devices (the paper's Table 3)
     #[command(name = "table-3")]
     Table3(Table3Args),
@@ -355,6 +362,29 @@ pub struct RaysArgs {
     pub write: Option<PathBuf>,
 }
 
+/// Words of `jerboa bench edits`.
+#[derive(Debug, Args)]
+pub struct EditsArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// Edits of each kind
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rounds: u32,
+    /// Columns of the film
+    #[arg(long, value_name = "W", default_value_t = 320, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub width: u32,
+    /// Rows of the film
+    #[arg(long, value_name = "H", default_value_t = 180, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub height: u32,
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Print a list of objects as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Words of `jerboa bench table-3`.
 #[derive(Debug, Args)]
 pub struct Table3Args {
@@ -391,6 +421,7 @@ mod tests {
         Only::<ExplainArgs>::command().debug_assert();
         Only::<TraceArgs>::command().debug_assert();
         Only::<StabilityArgs>::command().debug_assert();
+        Only::<EditsArgs>::command().debug_assert();
     }
 
     #[test]

@@ -1,15 +1,17 @@
 //! The command line: words in, one readable line out when something is wrong.
 //!
 //! [`args`] declares the words, each other file does what its subcommand says. Whatever fails, the command writes
-//! one line to stderr and exits with code 1; a reader that closes the pipe early (`jerboa … | head`) is no failure.
+//! one line to stderr and exits with code 1, be it for lack of memory or a fault of our own ([`faults`]); a reader that closes the pipe early (`jerboa … | head`) is no failure.
 
 pub mod args;
+pub mod faults;
 mod scene;
 mod render;
 mod inspect;
 mod trace;
 mod compare;
 mod bench;
+mod edits;
 mod rays;
 mod effort;
 
@@ -45,6 +47,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Explain(args) => print(&inspect::explain(&args)?),
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
+        Command::Bench { command: BenchCommand::Edits(args) } => print(&edits::run(&args)?),
         Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
         Command::Bench { command: BenchCommand::Table3(args) } => print(&effort::run(&args)?),
         Command::Bench { command: BenchCommand::Stability(args) } => {

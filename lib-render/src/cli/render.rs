@@ -41,7 +41,7 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
         ..Options::default()
     };
     let renderer = Renderer::new(&scene, options)?;
-    let mut film = Film::crop(size, window);
+    let mut film = Film::try_crop(size, window)?;
     let job = Render { sample: 0, spp: args.spp, seed: args.seed };
     let stats = with_progress(args, window, |handle| renderer.render_with(&camera, &mut film, job, handle))?;
     film.mean().write(&args.output, args.exposure)?;

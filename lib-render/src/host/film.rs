@@ -97,11 +97,28 @@ impl Film {
     /// An empty film over `window` of an image of `size`.
     ///
     /// # Panics
-    /// If the window reaches beyond the image.
+    /// If the window reaches beyond the image, or there is no memory for so many pixels.
     pub fn crop(size: [u32; 2], window: Window) -> Film {
+        Film::try_crop(size, window).unwrap_or_else(|e| panic!("Film::crop: {e}"))
+    }
+
+    /// As [`Film::crop`], for a size that a user has chosen.
+    ///
+    /// # Errors
+    /// When there is no memory for so many pixels.
+    ///
+    /// # Panics
+    /// If the window reaches beyond the image.
+    pub fn try_crop(size: [u32; 2], window: Window) -> Result<Film, Error> {
         let whole = Window { x: 0, y: 0, width: size[0], height: size[1] };
         assert!(whole.contains(&window), "Film::crop: {window:?} reaches beyond {size:?}");
-        Film { size, window, next_sample: 0, pixels: vec![Pixel::default(); window.area()], dropped: 0 }
+        let mut pixels = Vec::new();
+        if pixels.try_reserve_exact(window.area()).is_err() {
+            let Window { width, height, .. } = window;
+            return Err(Error::new(format!("no memory for a film of {width}x{height}: render parts by --crop")));
+        }
+        pixels.resize(window.area(), Pixel::default());
+        Ok(Film { size, window, next_sample: 0, pixels, dropped: 0 })
     }
 
     /// Number of the first sample that no render has asked for yet: where the next one goes on.

@@ -13,6 +13,7 @@
 //! * [`student`]: the quantiles that this takes,
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names,
+//! * [`renderer`], [`edit`], [`session`]: a scene made into kernels and rendered, changed, changed while it is rendered,
 //! * [`rays`]: raw tracing, in rays per second,
 //! * [`clock`], [`stages`]: time that a thread ran for, and on what,
 //! * [`effort`]: how much there is to write and to read.
@@ -29,6 +30,7 @@ pub mod wave;
 pub mod work;
 pub mod renderer;
 pub mod edit;
+pub mod session;
 pub mod replay;
 pub mod bvh;
 pub mod compare;
