@@ -2,12 +2,12 @@
 //! radiance and the same numbers of rays, sample by sample, to the bit (Law 9, T21). Every built-in scene at every level of
 //! knowledge is in `renderer.rs`, threads and films in `determinism.rs`.
 
-use jerboa_lib_render::host::device::{DeviceKind, MOST_CLASSES};
+use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::{Film, Window};
 use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::renderer::{Cut, Handle, Options, Render, Renderer};
-use jerboa_lib_render::host::tables::{Known, Pass};
-use jerboa_scenes::{Instance, Scene};
+use jerboa_lib_render::host::tables::Pass;
+use jerboa_scenes::Scene;
 
 const WHOLE: Window = Window { x: 0, y: 0, width: 23, height: 19 };
 
@@ -68,30 +68,6 @@ fn neither_tiles_nor_devices_change_film_or_statistics() {
         }
         assert!(render(Options { cut: Cut { tile, ..Cut::default() }, ..scalar() }) == expected, "tiles of {tile}");
     }
-}
-
-/// T24: above a number of classes one kernel shades all, and nothing else changes.
-#[test]
-fn one_kernel_shades_very_many_classes() {
-    let mut scene = load("cornell-box");
-    // At level `all` each colour is a class of its own.
-    for i in 0..MOST_CLASSES {
-        let mut mesh = scene.meshes[0].clone();
-        let mut material = scene.materials[mesh.material].clone();
-        material.base_color[0] = (i as f32 + 0.5) / MOST_CLASSES as f32;
-        mesh.material = scene.materials.len();
-        scene.materials.push(material);
-        scene.instances.push(Instance { mesh: scene.meshes.len(), ..scene.instances[0].clone() });
-        scene.meshes.push(mesh);
-    }
-    let known = Known::All;
-    let names = |r: &Renderer| r.kernels().iter().map(|k| k.name.clone()).collect::<Vec<_>>();
-    let many = Options { known, ..Options::default() };
-    assert_eq!(names(&renderer(&scene, many)), ["generate", "trace", "miss", "shadow", "shade"]);
-    assert_eq!(names(&renderer(&scene, Options::default())).last().map(String::as_str), Some("shade.2"));
-    let expected = samples(&scene, scalar());
-    assert!(samples(&scene, many) == expected);
-    assert!(samples(&scene, Options::default()) == expected);
 }
 
 /// Kernels with equal residuals share their code, in one renderer and between renderers.

@@ -13,6 +13,7 @@
 //! - [`quadrature`]: integrals in f64.
 //! - [`streams`]: random numbers, asked for in bulk, and what is counted in them.
 //! - [`hostile`]: triangles that are hard on the builder of trees.
+//! - [`many`]: scenes with any number of materials, shaders, lights and textures.
 //! - [`metamorphic`]: changes of scenes that keep the image, or scale it.
 //! - [`rays`]: closed shapes, ways to aim at them, trees; and [`naive`], what they are measured against.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
@@ -22,6 +23,7 @@ pub mod analytic;
 pub mod bench;
 pub mod clock;
 pub mod hostile;
+pub mod many;
 pub mod metamorphic;
 pub mod brute;
 pub mod naive;
