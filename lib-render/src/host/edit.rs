@@ -85,7 +85,7 @@ impl Renderer {
         let Options { choices, known, .. } = self.options;
         let tables = self.tables.changed(scene, &choices, known, change);
         let mut work = thread_time().saturating_sub(thread_start);
-        let (kernels, made) = self.remake(&tables)?;
+        let [kernels, made] = self.remake(&tables)?;
         work += made.iter().map(|k| k.specialize_time + k.codegen_time).sum::<Duration>();
         let device = Device::new(kernels, &self.options);
         let compiled = made.iter().filter(|k| k.codegen_time > Duration::ZERO).map(|k| k.name.clone()).collect();
@@ -127,8 +127,8 @@ impl Renderer {
         }
     }
 
-    /// The kernels for changed tables: those whose facts still hold, and the others made anew, which are given apart too.
-    fn remake(&self, tables: &Tables) -> Result<(Vec<Arc<Generated>>, Vec<Arc<Generated>>), Error> {
+    /// The kernels for changed tables: those whose facts still hold, and the others made anew, which are also the second list.
+    fn remake(&self, tables: &Tables) -> Result<[Vec<Arc<Generated>>; 2], Error> {
         let Options { device, tracer, keep, .. } = self.options;
         let agree = |former: &Facts, kernel: &Generated| {
             kernel.residual.folds.iter().all(|fold| former.agrees(&tables.facts, *fold))
@@ -142,7 +142,7 @@ impl Renderer {
         let made = generate(tables, &anew, keep)?.kernels;
         let mut next = made.iter().cloned();
         let kernels = kept.into_iter().map(|kernel| kernel.or_else(|| next.next()).expect("it is kept or made"));
-        Ok((kernels.collect(), made))
+        Ok([kernels.collect(), made])
     }
 }
 

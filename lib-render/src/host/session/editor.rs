@@ -61,7 +61,7 @@ impl<'s> Editor<'s> {
                 Ok(None)
             }
             Value::Material(number, mut material) => self.swapped(Part::Material(number), |scene| {
-                scene.materials.get_mut(number).into_iter().for_each(|old| swap(old, &mut material));
+                scene.materials.get_mut(number).into_iter().for_each(|old| swap(old, &mut *material));
             }),
             Value::Light(number, mut light) => self.swapped(Part::Light(number), |scene| {
                 scene.lights.get_mut(number).into_iter().for_each(|old| swap(old, &mut light));

@@ -61,7 +61,7 @@ pub struct Picture {
 
 /// A new value of a part of the scene.
 enum Value {
-    Material(usize, Material),
+    Material(usize, Box<Material>),
     Light(usize, Light),
     Texture(usize, Texture, Option<scenes::Image>),
     Camera(Camera),
@@ -120,6 +120,14 @@ impl Shared {
     }
 }
 
+/// Lets other threads go first on this one's core: the editor, and whoever answers the user. A core without them paints no
+/// slower.
+fn step_back() {
+    // Where it is not allowed, the editor shares the cores with the painter.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(10);
+}
+
 /// What a panic said.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -140,8 +148,9 @@ impl Session {
         let film = Film::try_crop(size, Window { x: 0, y: 0, width, height })?;
         let fault = |e: &dyn std::fmt::Display| Error::new(format!("cannot start the threads: {e}"));
         // One pool each: a job of the editor would wait for the end of a pass in the painter's.
-        let pool = || rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build();
-        let (painters, editors) = (pool().map_err(|e| fault(&e))?, pool().map_err(|e| fault(&e))?);
+        let pool = || rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
+        let painters = pool().start_handler(|_| step_back()).build().map_err(|e| fault(&e))?;
+        let editors = pool().build().map_err(|e| fault(&e))?;
         let live = Live { revision: 0, renderer: Arc::new(renderer), camera };
         let state = State {
             queue: Vec::new(),
@@ -169,7 +178,7 @@ impl Session {
 
     /// Ask for another material in this place. Gives the number of the edit, at once.
     pub fn set_material(&self, number: usize, material: Material) -> u64 {
-        self.ask(Value::Material(number, material))
+        self.ask(Value::Material(number, Box::new(material)))
     }
 
     /// Ask for another light in this place. Gives the number of the edit, at once.
