@@ -125,13 +125,16 @@ pub fn gltf_values(b: &mut Block, row: Row<Materials>, base: Color, uv: [Vec2; 2
     }
 }
 
-/// Phong's material, as the paper's shader builds it: diffuse and Phong lobe, mixed by the luminance of their colours.
+/// Phong's material, as the paper's shader builds it.
 pub fn make_phong_material(row: Row<Materials>, surf: SurfaceElement, kd: Color) -> Bsdf {
-    let ks = read_color(row, SPECULAR_COLOR);
+    make_mixed_phong_bsdf(surf, kd, read_color(row, SPECULAR_COLOR), row.get(Materials::PHONG_NS))
+}
+
+/// Diffuse and Phong lobe, mixed by the luminance of their colours.
+pub fn make_mixed_phong_bsdf(surf: SurfaceElement, kd: Color, ks: Color, ns: F32) -> Bsdf {
     let (bright, dark) = (ks.luminance(), kd.luminance());
     let k = bright.gt(0.0).select(bright / (bright + dark), 0.0.into());
-    let phong = make_phong_bsdf(surf, ks, row.get(Materials::PHONG_NS));
-    make_mix_bsdf(surf, make_diffuse_bsdf(surf, kd), phong, k)
+    make_mix_bsdf(surf, make_diffuse_bsdf(surf, kd), make_phong_bsdf(surf, ks, ns), k)
 }
 
 /// Absorption coefficient behind the surface, 1/m.
