@@ -57,6 +57,11 @@ pub fn compile(programs: &[&Program], options: &Options) -> Result<Vec<(Arc<Code
     Ok((0..programs.len()).map(shared).collect())
 }
 
+/// Let go of all code that no renderer uses, so that making it again takes its time.
+pub fn forget_unused() {
+    CACHE.lock().unwrap_or_else(PoisonError::into_inner).retain(|e| Arc::strong_count(&e.code) > 1);
+}
+
 /// Code that is there already.
 fn find(hash: u128, options: &Options, program: &Program) -> Option<Arc<Code>> {
     let mut cache = CACHE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -79,4 +84,22 @@ fn keep(entry: Entry) {
         surplus -= goes as usize;
         !goes
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_is_found_until_it_is_forgotten() {
+        let text = "jerboa-ir 1\nentry found_until_forgotten = f\nfun f(x: u32, return: fn(u32))\n  jump return(x)\n";
+        let program = jerboa_ir::parse(text).expect("a program");
+        let compile = || compile(&[&program], &Options::default()).expect("it compiles").remove(0);
+        let (code, time) = compile();
+        assert!(time > Duration::ZERO);
+        assert_eq!(compile().1, Duration::ZERO, "somebody has it");
+        drop(code);
+        forget_unused();
+        assert!(compile().1 > Duration::ZERO, "nobody has it");
+    }
 }
