@@ -3,6 +3,8 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
+pub use super::figures::{BatchArgs, Figure2Args, Figure5Args, OutputArgs, RenderedArgs, Table2Args};
+
 /// A path tracer that specialises itself for the scene it is given. Of a word given twice, the last counts.
 #[derive(Debug, Parser)]
 #[command(name = "jerboa", version, args_override_self = true)]
@@ -61,6 +63,26 @@ pub enum BenchCommand {
     /// Count lines of code and Halstead's effort of the renderer and its devices (the paper's Table 3)
     #[command(name = "table-3")]
     Table3(Table3Args),
+    /// Render by what is known of the scene, and beside Mitsuba 3: millions of samples a second (the paper's Table 2)
+    ///
+    /// Under the rules that the peer has too: the same largest depth, roulette from the 5th scattering on with at most 0.95,
+    /// shading normals free. Wall time; all take turns in each round.
+    #[command(name = "table-2")]
+    Table2(Table2Args),
+    /// Share out the time of a render, and say what shading a path vertex takes (the paper's Figure 2)
+    ///
+    /// On one thread, by the time that it ran for. The rest is new paths, sorting, compaction and the film.
+    #[command(name = "figure-2")]
+    Figure2(Figure2Args),
+    /// Shade 4,096 rays by a Phong shader of constants or textures, specialised or not (the paper's Figure 3)
+    #[command(name = "figure-3")]
+    Figure3(BatchArgs),
+    /// Shade 4,096 rays with the interfaces of textures and attributes specialised or not (the paper's Figure 4)
+    #[command(name = "figure-4")]
+    Figure4(BatchArgs),
+    /// Specialise and compile the kernels of each scene, device and level of knowledge (the paper's Figure 5)
+    #[command(name = "figure-5")]
+    Figure5(Figure5Args),
 }
 
 /// The scene that is rendered when none is named.
@@ -422,6 +444,8 @@ mod tests {
         Only::<TraceArgs>::command().debug_assert();
         Only::<StabilityArgs>::command().debug_assert();
         Only::<EditsArgs>::command().debug_assert();
+        Only::<Table2Args>::command().debug_assert();
+        Only::<Figure2Args>::command().debug_assert();
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod bench;
 mod edits;
 mod rays;
 mod effort;
+mod figures;
 
 use crate::host::error::Error;
 use args::{BenchCommand, Cli, Command};
@@ -50,6 +51,11 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Bench { command: BenchCommand::Edits(args) } => print(&edits::run(&args)?),
         Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
         Command::Bench { command: BenchCommand::Table3(args) } => print(&effort::run(&args)?),
+        Command::Bench { command: BenchCommand::Table2(args) } => print(&figures::table_2(&args)?),
+        Command::Bench { command: BenchCommand::Figure2(args) } => print(&figures::figure_2(&args)?),
+        Command::Bench { command: BenchCommand::Figure3(args) } => print(&figures::figure_3(&args)?),
+        Command::Bench { command: BenchCommand::Figure4(args) } => print(&figures::figure_4(&args)?),
+        Command::Bench { command: BenchCommand::Figure5(args) } => print(&figures::figure_5(&args)?),
         Command::Bench { command: BenchCommand::Stability(args) } => {
             let (table, failed) = bench::stability(&args)?;
             print(&table)?;

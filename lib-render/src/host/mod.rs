@@ -16,7 +16,8 @@
 //! * [`renderer`], [`edit`], [`session`]: a scene made into kernels and rendered, changed, changed while it is rendered,
 //! * [`rays`]: raw tracing, in rays per second,
 //! * [`clock`], [`stages`]: time that a thread ran for, and on what,
-//! * [`effort`]: how much there is to write and to read.
+//! * [`effort`]: how much there is to write and to read,
+//! * [`figures`]: the other experiments of the paper.
 
 pub mod tables;
 pub mod generate;
@@ -38,6 +39,7 @@ pub mod stability;
 pub mod sheet;
 pub mod rays;
 pub mod effort;
+pub mod figures;
 pub mod distribution;
 pub mod error;
 pub mod film;

@@ -50,6 +50,15 @@ impl Stages {
         self.spent[stage as usize]
     }
 
+    /// Adds what another render took.
+    pub fn add(&mut self, other: &Stages) {
+        for (spent, more) in self.spent.iter_mut().zip(other.spent) {
+            spent.time += more.time;
+            spent.rows += more.rows;
+        }
+        self.total += other.total;
+    }
+
     /// Time in no stage: sorting, compaction, the film.
     pub fn rest(&self) -> Duration {
         self.total.saturating_sub(self.spent.iter().map(|s| s.time).sum())
