@@ -2,7 +2,7 @@
 //! radiance and the same numbers of rays, sample by sample, to the bit (Law 9, T21). Every built-in scene at every level of
 //! knowledge is in `renderer.rs`, threads and films in `determinism.rs`.
 
-use jerboa_lib_render::host::device::DeviceKind;
+use jerboa_lib_render::host::device::{DeviceKind, Traversal};
 use jerboa_lib_render::host::film::{Film, Window};
 use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::renderer::{Cut, Handle, Options, Render, Renderer};
@@ -42,8 +42,10 @@ fn any_number_in_flight_gives_the_same_samples() {
             let all: &[u32] = if tracer == TracerKind::Path { &[1, 64, 1000, 4096] } else { &[5] };
             for slots in all.iter().copied() {
                 let cut = Cut { slots, ..Cut::default() };
-                let found = samples(&scene, Options { tracer, cut, ..Options::default() });
-                assert!(found == expected, "{}, {}: {slots} in flight", scene.name, tracer.kernel());
+                for traversal in [Traversal::Native, Traversal::Ir] {
+                    let found = samples(&scene, Options { tracer, cut, traversal, ..Options::default() });
+                    assert!(found == expected, "{}, {}: {slots}, {traversal:?}", scene.name, tracer.kernel());
+                }
             }
         }
     }

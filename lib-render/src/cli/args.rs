@@ -110,6 +110,16 @@ pub enum DeviceArg {
     CpuScalar,
 }
 
+/// Who finds what rays hit on the device `cpu` (it never changes the image).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TraversalArg {
+    /// By hand, eight boxes at once, where the processor has AVX-512 and the scene no cut-outs
+    #[default]
+    Native,
+    /// The renderer's own kernel, four boxes at once
+    Ir,
+}
+
 /// What a path is traced for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum TracerArg {
@@ -230,6 +240,9 @@ pub struct RenderArgs {
     /// Where to render
     #[arg(long, value_name = "DEVICE", value_enum, default_value_t)]
     pub device: DeviceArg,
+    /// Who finds what rays hit on the device cpu
+    #[arg(long, value_name = "WALK", value_enum, default_value_t)]
+    pub traversal: TraversalArg,
     /// What to show
     #[arg(long, value_name = "TRACER", value_enum, default_value_t)]
     pub tracer: TracerArg,
@@ -370,6 +383,9 @@ pub struct RaysArgs {
     /// A .gltf or .glb file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
+    /// Who traces them
+    #[arg(long, value_name = "WALK", value_enum, default_value_t)]
+    pub traversal: TraversalArg,
     /// Side of the square film in pixels, a camera ray each
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(4..=8192))]
     pub side: u32,

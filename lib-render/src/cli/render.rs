@@ -38,6 +38,7 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
         tracer: args.tracer.into(),
         choices: choices(args),
         device: args.device.into(),
+        traversal: args.traversal.into(),
         ..Options::default()
     };
     let renderer = Renderer::new(&scene, options)?;

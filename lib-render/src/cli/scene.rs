@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use jerboa_scenes::{Camera, Scene};
 
-use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TracerArg};
-use crate::host::device::DeviceKind;
+use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TracerArg, TraversalArg};
+use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::generate::TracerKind;
 use crate::host::tables::{Choices, Known};
@@ -17,6 +17,15 @@ impl From<KnownArg> for Known {
             KnownArg::Nothing => Known::Nothing,
             KnownArg::Structure => Known::Structure,
             KnownArg::All => Known::All,
+        }
+    }
+}
+
+impl From<TraversalArg> for Traversal {
+    fn from(arg: TraversalArg) -> Traversal {
+        match arg {
+            TraversalArg::Native => Traversal::Native,
+            TraversalArg::Ir => Traversal::Ir,
         }
     }
 }

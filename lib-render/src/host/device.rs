@@ -17,6 +17,16 @@ pub enum DeviceKind {
     CpuScalar,
 }
 
+/// Who walks the tree on [`DeviceKind::Cpu`]. The image is the same.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Traversal {
+    /// The native walk, where the processor has its instructions and the scene no cut-outs; see [`super::native`].
+    #[default]
+    Native,
+    /// A kernel, as on other devices; see [`crate::traverse`].
+    Ir,
+}
+
 /// Most kernels that shade. If there are more classes of shaders, the last kernel shades all of those that have none of their
 /// own, so that the time of specialisation does not grow with the scene.
 pub const MOST_CLASSES: u32 = 64;

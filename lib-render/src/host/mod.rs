@@ -8,6 +8,7 @@
 //! * [`film`]: the exact, order-free sum of samples,
 //! * [`image_io`]: linear images in memory and on disk,
 //! * [`bvh`]: the tree of boxes over a scene's triangles,
+//! * [`native`]: the walk of the device of streams by hand, for processors that have AVX-512,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it,
 //! * [`student`]: the quantiles that this takes,
@@ -34,6 +35,7 @@ pub mod edit;
 pub mod session;
 pub mod replay;
 pub mod bvh;
+pub mod native;
 pub mod compare;
 pub mod stability;
 pub mod sheet;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use jerboa_scenes::{Camera, Scene};
 use rayon::prelude::*;
 
-use super::device::DeviceKind;
+use super::device::{DeviceKind, Traversal};
 use super::error::Error;
 use super::film::Film;
 use super::generate::{Generated, Keep, Kernels, TracerKind, generate, generic};
@@ -33,6 +33,8 @@ pub struct Options {
     pub keep: Keep,
     /// Where it runs.
     pub device: DeviceKind,
+    /// Who walks the tree there.
+    pub traversal: Traversal,
     /// How the device cuts its work. The image does not depend on it.
     pub cut: Cut,
 }
@@ -63,6 +65,7 @@ impl Default for Options {
             seed: 0,
             keep: Keep::default(),
             device: DeviceKind::default(),
+            traversal: Traversal::default(),
             cut: Cut::default(),
         }
     }
@@ -161,7 +164,11 @@ impl Renderer {
     /// When the evaluator or the code generator gives up: a fault of Jerboa, not of the scene.
     pub fn new(scene: &Scene, options: Options) -> Result<Renderer, Error> {
         let start = Instant::now();
-        let lay_out = || (Tables::new(scene, &options.choices, options.known), Instant::now());
+        let traversal = match options.device {
+            DeviceKind::Cpu => options.traversal,
+            DeviceKind::CpuScalar => Traversal::Ir,
+        };
+        let lay_out = || (Tables::walked(scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
         let ((tables, laid_out), _) = rayon::join(lay_out, generic);
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);

@@ -14,6 +14,7 @@ use jerboa_ir::lang::{Buf, Col};
 use super::dispatch::{call, tables_bound};
 use super::error::Error;
 use super::generate::Generated;
+use super::native::{Walkers, streams};
 use super::stages::{Clock, Stage, Stages};
 use super::tables::Tables;
 use super::work::Work;
@@ -67,7 +68,7 @@ impl Wave {
         let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         let streams = idle().pop().unwrap_or_else(|| Streams::new(self.slots as usize));
         let mut thread =
-            Thread { wave: self, clock, bindings: tables_bound(tables), streams, rows: 0, begun: 0, live: 0 };
+            Thread { wave: self, clock, tables, bindings: tables_bound(tables), streams, rows: 0, begun: 0, live: 0 };
         while !work.is_cancelled() {
             thread.refill(work)?;
             if thread.live == 0 {
@@ -82,7 +83,7 @@ impl Wave {
 }
 
 /// A stream in memory, row by row.
-struct Stream {
+pub(super) struct Stream {
     words: Vec<u32>,
     /// Words of a row.
     columns: usize,
@@ -102,7 +103,19 @@ impl Stream {
 
     /// A word.
     fn at<B, T>(&self, column: Col<B, T>, row: usize) -> u32 {
-        self.words[row * self.columns + column.0 as usize]
+        self.row(row)[column.0 as usize]
+    }
+
+    /// The words of a row.
+    #[inline]
+    pub(super) fn row(&self, row: usize) -> &[u32] {
+        &self.words[row * self.columns..][..self.columns]
+    }
+
+    /// The words of a row.
+    #[inline]
+    pub(super) fn row_mut(&mut self, row: usize) -> &mut [u32] {
+        &mut self.words[row * self.columns..][..self.columns]
     }
 }
 
@@ -114,6 +127,8 @@ struct Streams {
     hits: Stream,
     order: Stream,
     shadows: Stream,
+    /// Who walks the tree, if it is the native walk.
+    walkers: Option<Walkers>,
 }
 
 impl Streams {
@@ -124,6 +139,7 @@ impl Streams {
             hits: Stream::new::<Hits>(2 * slots),
             order: Stream::new::<Order>(slots),
             shadows: Stream::new::<Shadows>(slots),
+            walkers: None,
         }
     }
 }
@@ -132,6 +148,7 @@ impl Streams {
 struct Thread<'w, 's> {
     wave: &'w Wave,
     clock: &'w mut Clock<'s>,
+    tables: &'w Tables,
     bindings: Vec<Binding>,
     streams: Streams,
     /// Rows of `paths` that hold a path, ended or not.
@@ -160,15 +177,38 @@ impl Thread<'_, '_> {
 
     /// Take all live paths one vertex further: they become the rows of `next`.
     fn wave(&mut self) -> Result<(), Error> {
-        self.dispatch(Stage::Secondary, TRACE, self.begun, &[0, self.begun])?;
-        self.dispatch(Stage::Camera, TRACE, self.rows - self.begun, &[self.begun, self.rows])?;
+        self.trace(Stage::Secondary, 0..self.begun)?;
+        self.trace(Stage::Camera, self.begun..self.rows)?;
         let ranges = self.sort();
         let (missed, hit) = ranges.split_last().expect("there is the range of misses");
         for (class, range) in hit.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
             self.dispatch(Stage::Shade, SHADE + class, range.len() as u32, &[0, range.start, range.end])?;
         }
         self.dispatch(Stage::Miss, MISS, missed.len() as u32, &[missed.start, missed.end])?;
-        self.dispatch(Stage::Shadow, SHADOW, missed.start, &[0, missed.start])
+        self.shadow(0..missed.start)
+    }
+
+    /// The nearest hits of these paths.
+    fn trace(&mut self, stage: Stage, rows: Range<u32>) -> Result<(), Error> {
+        let Some(native) = &self.tables.native else {
+            return self.dispatch(stage, TRACE, rows.len() as u32, &[rows.start, rows.end]);
+        };
+        let Streams { paths, hits, walkers, .. } = &mut self.streams;
+        let walkers = walkers.get_or_insert_default();
+        let tables = self.tables;
+        self.clock.stage(stage, rows.len() as u32, || streams::trace(native, walkers, tables, rows, paths, hits));
+        Ok(())
+    }
+
+    /// The light of these rows that nothing blocks.
+    fn shadow(&mut self, rows: Range<u32>) -> Result<(), Error> {
+        let Some(native) = &self.tables.native else {
+            return self.dispatch(Stage::Shadow, SHADOW, rows.len() as u32, &[rows.start, rows.end]);
+        };
+        let Streams { shadows, next, walkers, .. } = &mut self.streams;
+        let walkers = walkers.get_or_insert_default();
+        self.clock.stage(Stage::Shadow, rows.len() as u32, || streams::shadow(native, walkers, rows, shadows, next));
+        Ok(())
     }
 
     /// Counting sort: the rows of live paths by class into `order`, ascending within a class. Gives the range of each class and,
@@ -214,7 +254,7 @@ impl Thread<'_, '_> {
 
     /// Run a kernel over so many rows.
     fn dispatch(&mut self, stage: Stage, kernel: usize, rows: u32, args: &[u32]) -> Result<(), Error> {
-        let Streams { paths, next, hits, order, shadows } = &mut self.streams;
+        let Streams { paths, next, hits, order, shadows, walkers: _ } = &mut self.streams;
         self.bindings[binding::<Paths>()] = paths.bind();
         self.bindings[binding::<Next>()] = next.bind();
         self.bindings[binding::<Hits>()] = hits.bind();

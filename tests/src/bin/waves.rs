@@ -1,16 +1,17 @@
 //! What the cuts of the device of streams cost, as a command: paths in flight and sides of tiles, beside the scalar device.
+//! With `--walks`: the native walk of its tree beside the kernel.
 //!
 //! ```sh
-//! cargo run --release -p jerboa-tests --bin waves -- SCENE… [--rounds N] [--size W] [--spp N]
+//! cargo run --release -p jerboa-tests --bin waves -- SCENE… [--walks] [--rounds N] [--size W] [--spp N]
 //! ```
 //!
-//! Renders each scene with each cut, in turn, on one thread, and prints the median time and the median of the ratio to the
-//! scalar device in the same round. Times are those that the thread ran for (Linux), so another process beside it disturbs
+//! Renders each scene in each way, in turn, on one thread, and prints the median time and the median of the ratio to the
+//! first way in the same round. Times are those that the thread ran for (Linux), so another process beside it disturbs
 //! them little. SCENE is a file or `builtin:NAME`.
 
 use std::process::ExitCode;
 
-use jerboa_lib_render::host::device::DeviceKind;
+use jerboa_lib_render::host::device::{DeviceKind, Traversal};
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::renderer::{Cut, Handle, Options, Render, Renderer};
 use jerboa_lib_render::host::tables::Choices;
@@ -25,6 +26,7 @@ const TILES: [u32; 3] = [8, 32, 64];
 
 /// What is rendered.
 struct Job {
+    walks: bool,
     scenes: Vec<String>,
     rounds: usize,
     width: u32,
@@ -43,11 +45,12 @@ fn main() -> ExitCode {
 }
 
 fn read(mut words: impl Iterator<Item = String>) -> Result<Job, String> {
-    let mut job = Job { scenes: Vec::new(), rounds: 3, width: 320, spp: 16 };
+    let mut job = Job { walks: false, scenes: Vec::new(), rounds: 3, width: 320, spp: 16 };
     while let Some(word) = words.next() {
         let mut number =
             || words.next().and_then(|n| n.parse::<u32>().ok()).ok_or(format!("{word} takes a whole number"));
         match word.as_str() {
+            "--walks" => job.walks = true,
             "--rounds" => job.rounds = number()?.max(1) as usize,
             "--size" => job.width = number()?.max(1),
             "--spp" => job.spp = number()?.max(1),
@@ -58,12 +61,19 @@ fn read(mut words: impl Iterator<Item = String>) -> Result<Job, String> {
 }
 
 /// The scalar device, and every cut of the other one.
-fn variants() -> Vec<(String, DeviceKind, Cut)> {
+fn cuts() -> Vec<(String, Options)> {
+    let of = |cut: Cut| Options { cut, ..Options::default() };
     let usual = Cut::default();
-    let mut all = vec![("scalar".into(), DeviceKind::CpuScalar, usual)];
-    all.extend(SLOTS.map(|slots| (format!("{slots} in flight"), DeviceKind::Cpu, Cut { slots, ..usual })));
-    all.extend(TILES.map(|tile| (format!("tiles of {tile}"), DeviceKind::Cpu, Cut { tile, ..usual })));
+    let mut all = vec![("scalar".into(), Options { device: DeviceKind::CpuScalar, ..Options::default() })];
+    all.extend(SLOTS.map(|slots| (format!("{slots} in flight"), of(Cut { slots, ..usual }))));
+    all.extend(TILES.map(|tile| (format!("tiles of {tile}"), of(Cut { tile, ..usual }))));
     all
+}
+
+/// Who may walk the tree.
+fn walks() -> Vec<(String, Options)> {
+    let of = |traversal: Traversal| Options { traversal, ..Options::default() };
+    vec![("kernel".into(), of(Traversal::Ir)), ("native".into(), of(Traversal::Native))]
 }
 
 fn measure(name: &str, job: &Job) -> Result<(), String> {
@@ -71,11 +81,10 @@ fn measure(name: &str, job: &Job) -> Result<(), String> {
     let camera = scene.camera_or_default();
     // Rules of comparison with other renderers: their roulette.
     let choices = Choices { rr_depth: Some(5), rr_cap: 0.95, ..Choices::default() };
-    let renderer = |(_, device, cut): &(String, DeviceKind, Cut)| {
-        Renderer::new(&scene, Options { device: *device, cut: *cut, choices, ..Options::default() })
-            .map_err(|e| e.to_string())
+    let renderer = |(_, options): &(String, Options)| {
+        Renderer::new(&scene, Options { choices, ..*options }).map_err(|e| e.to_string())
     };
-    let variants = variants();
+    let variants = if job.walks { walks() } else { cuts() };
     let renderers = variants.iter().map(renderer).collect::<Result<Vec<_>, _>>()?;
     let mut times = vec![Vec::new(); variants.len()];
     let mut first: Option<Film> = None;
@@ -95,9 +104,9 @@ fn measure(name: &str, job: &Job) -> Result<(), String> {
             }
         }
     }
-    println!("| {name} | median, s | median of the ratio to scalar |\n|---|---|---|");
-    for ((variant, _, _), own) in variants.iter().zip(&times) {
-        let ratios: Vec<f64> = own.iter().zip(&times[0]).map(|(t, scalar)| t / scalar).collect();
+    println!("| {name} | median, s | median of the ratio to {} |\n|---|---|---|", variants[0].0);
+    for ((variant, _), own) in variants.iter().zip(&times) {
+        let ratios: Vec<f64> = own.iter().zip(&times[0]).map(|(t, first)| t / first).collect();
         println!("| {variant} | {:.3} | {:.3} |", median(own), median(&ratios));
     }
     Ok(())

@@ -15,7 +15,8 @@
 //! - [`hostile`]: triangles that are hard on the builder of trees.
 //! - [`many`]: scenes with any number of materials, shaders, lights and textures.
 //! - [`metamorphic`]: changes of scenes that keep the image, or scale it.
-//! - [`rays`]: closed shapes, ways to aim at them, trees; and [`naive`], what they are measured against.
+//! - [`rays`]: closed shapes, ways to aim at them, trees; [`naive`], what they are measured against; and [`native`], the walk
+//!   by hand.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
 //! - [`warps`]: the table of warps of uniform numbers.
 
@@ -27,6 +28,7 @@ pub mod many;
 pub mod metamorphic;
 pub mod brute;
 pub mod naive;
+pub mod native;
 pub mod lights;
 pub mod functions;
 pub mod probe;

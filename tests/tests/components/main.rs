@@ -6,6 +6,7 @@ mod hostile;
 mod lights;
 mod materials;
 mod mix;
+mod native;
 mod spawn;
 mod residual;
 mod textures;

@@ -37,7 +37,7 @@ impl Bounds {
     }
 
     /// Half the surface, in proportion to how many rays hit the box. In f64 it never overflows or vanishes.
-    pub(super) fn half_area(&self) -> f64 {
+    pub(in crate::host) fn half_area(&self) -> f64 {
         let [x, y, z] = self.extent();
         x * y + y * z + z * x
     }

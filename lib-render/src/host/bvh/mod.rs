@@ -29,13 +29,13 @@ mod agglomerate;
 mod bounds;
 mod layout;
 mod median;
-mod prefilter;
+pub(super) mod prefilter;
 #[cfg(test)]
 mod reference;
 mod sah;
 #[cfg(test)]
 mod tests;
-mod tree;
+pub(super) mod tree;
 
 pub use bounds::Bounds;
 pub use layout::{BvhNode, ChildRef};
@@ -86,17 +86,12 @@ impl Bvh {
     pub fn build(triangles: &[Triangle]) -> Bvh {
         assert!(triangles.len() <= MAX_TRIANGLES, "Bvh::build: more than 2^26 triangles; split the scene");
         let usable = prefilter::usable(triangles);
-        let boxes = &usable.bounds[..];
-        let lay_out = |tree: Tree| (layout::lay_out(&tree), tree);
-        let by_obvhs = if boxes.len() > MAX_LEAF { agglomerate::build(boxes).map(lay_out) } else { None };
-        let (laid_out, tree) = by_obvhs
-            .filter(|(laid_out, _)| laid_out.fits())
-            .or_else(|| Some(lay_out(sah::build(boxes))).filter(|(laid_out, _)| laid_out.fits()))
-            .unwrap_or_else(|| lay_out(median::build(boxes)));
+        let lay_out = |tree: &Tree| (layout::lay_out(tree), tree.bounds());
+        let (laid_out, bounds) = first_that_fits(&usable.bounds, lay_out, |(laid_out, _)| laid_out.fits());
         Bvh {
             nodes: laid_out.nodes,
             order: laid_out.order.iter().map(|&i| usable.numbers[i as usize]).collect(),
-            bounds: tree.bounds(),
+            bounds,
             depth: laid_out.depth,
             waiting: laid_out.waiting,
             dropped: usable.dropped,
@@ -107,4 +102,14 @@ impl Bvh {
     pub fn words(&self, triangles: &[Triangle]) -> Vec<u32> {
         layout::words(&self.nodes, &self.order, &self.bounds, triangles)
     }
+}
+
+/// Lays out the first tree over boxes that fits, of those by `obvhs`, by surface and at medians.
+pub(super) fn first_that_fits<L>(boxes: &[Bounds], lay_out: impl Fn(&Tree) -> L, fits: impl Fn(&L) -> bool) -> L {
+    let by_obvhs = if boxes.len() > MAX_LEAF { agglomerate::build(boxes) } else { None };
+    by_obvhs
+        .map(|tree| lay_out(&tree))
+        .filter(&fits)
+        .or_else(|| Some(lay_out(&sah::build(boxes))).filter(&fits))
+        .unwrap_or_else(|| lay_out(&median::build(boxes)))
 }

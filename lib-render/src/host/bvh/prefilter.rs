@@ -12,7 +12,7 @@ pub struct Dropped {
 }
 
 /// The triangles that enter the tree, numbered anew from 0.
-pub(super) struct Usable {
+pub(in crate::host) struct Usable {
     /// Number in the original slice.
     pub numbers: Vec<u32>,
     /// Exact bounds.
@@ -21,7 +21,7 @@ pub(super) struct Usable {
 }
 
 /// Sorts out triangles that no ray can hit.
-pub(super) fn usable(triangles: &[Triangle]) -> Usable {
+pub(in crate::host) fn usable(triangles: &[Triangle]) -> Usable {
     let mut usable = Usable { numbers: Vec::new(), bounds: Vec::new(), dropped: Dropped::default() };
     for (number, triangle) in triangles.iter().enumerate() {
         if !triangle.as_flattened().iter().all(|x| x.is_finite()) {

@@ -4,10 +4,10 @@ use super::Bounds;
 
 /// A node's index in its tree.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct NodeId(u32);
+pub(in crate::host) struct NodeId(u32);
 
 /// What a node stands for.
-pub(super) enum Kind {
+pub(in crate::host) enum Kind {
     /// Two children.
     Inner([NodeId; 2]),
     /// A range of `order`.
@@ -21,7 +21,7 @@ struct Node {
 
 /// A binary tree over boxes, which it numbers as the slice it was built from does.
 #[derive(Default)]
-pub(super) struct Tree {
+pub(in crate::host) struct Tree {
     nodes: Vec<Node>,
     /// Box numbers, leaf by leaf.
     pub order: Vec<u32>,

@@ -15,8 +15,10 @@ use rayon::prelude::*;
 
 use super::bvh::Triangle;
 use super::clock::thread_time;
+use super::device::Traversal;
 use super::dispatch::tables_bound;
 use super::error::Error;
+use super::native::{Hit, Ray, Rays, Walkers};
 use super::tables::geometry::Geometry;
 use super::tables::{Choices, Known, Tables};
 use crate::schema::NONE;
@@ -111,12 +113,12 @@ pub struct RayBench {
 }
 
 impl RayBench {
-    /// Compiles the traversal for a scene and makes its sets of rays, of `side`² camera rays and what follows.
+    /// Prepares a traversal for a scene and makes its sets of rays, of `side`² camera rays and what follows.
     ///
     /// # Errors
     /// When the evaluator or the code generator gives up: a fault of Jerboa, not of the scene.
-    pub fn new(scene: &Scene, camera: &Camera, side: u32) -> Result<RayBench, Error> {
-        let tables = Tables::new(scene, &Choices::default(), Known::Structure);
+    pub fn new(scene: &Scene, camera: &Camera, side: u32, traversal: Traversal) -> Result<RayBench, Error> {
+        let tables = Tables::walked(scene, &Choices::default(), Known::Structure, traversal);
         let code = kernels::compile(&tables)?;
         let mut bench = RayBench { tables, code, sets: Vec::new() };
         bench.sets = bench.make_sets(scene, camera, side)?;
@@ -180,6 +182,10 @@ impl RayBench {
 
     /// Answers the rays of a chunk.
     fn trace(&self, set: Set, chunk: &mut Chunk) -> Result<(), Error> {
+        if let Some(native) = &self.tables.native {
+            native.trace(&mut Walkers::default(), set == Set::Shadow, &mut Asked { chunk, next: 0 });
+            return Ok(());
+        }
         let mut bindings = tables_bound(&self.tables);
         bindings.push(Binding::new(&mut chunk.rays, chunk.count));
         bindings.push(Binding::new(&mut chunk.found, chunk.count));
@@ -268,6 +274,34 @@ impl Chunk {
     fn hits(&self) -> impl Iterator<Item = (u32, f32)> + '_ {
         let (primitives, ts) = self.found.split_at(self.count as usize);
         primitives.iter().zip(ts).map(|(p, t)| (*p, f32::from_bits(*t)))
+    }
+}
+
+/// A chunk whose rays are walked natively.
+struct Asked<'a> {
+    chunk: &'a mut Chunk,
+    next: u32,
+}
+
+impl Rays for Asked<'_> {
+    #[inline]
+    fn next(&mut self) -> Option<(u32, Ray)> {
+        let (i, count) = (self.next, self.chunk.count);
+        let word = |column: u32| f32::from_bits(self.chunk.rays[(column * count + i) as usize]);
+        self.next += 1;
+        let ray = || Ray {
+            org: [word(0), word(1), word(2)],
+            dir: [word(3), word(4), word(5)],
+            tmax: word(6),
+            skip: [NONE; 3],
+        };
+        (i < count).then(|| (i, ray()))
+    }
+
+    #[inline]
+    fn done(&mut self, number: u32, hit: Hit) {
+        self.chunk.found[number as usize] = hit.primitive;
+        self.chunk.found[(self.chunk.count + number) as usize] = hit.t.to_bits();
     }
 }
 

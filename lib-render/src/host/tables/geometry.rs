@@ -7,7 +7,7 @@ use jerboa_scenes::{Instance, Mesh, Scene};
 
 use super::memory::{Memory, Table};
 use super::plane::Plane;
-use crate::host::bvh::{Bvh, Triangle};
+use crate::host::bvh::Triangle;
 use crate::schema::*;
 
 /// The triangles of a scene as kernels see them, and what lights need to know of them.
@@ -207,12 +207,6 @@ fn longest_side_last(corners: [u32; 3], positions: &[Vec3]) -> [u32; 3] {
     } else {
         corners
     }
-}
-
-/// The tree with the triangles in its leaves.
-pub fn tree(bvh: &Bvh, triangles: &[Triangle]) -> Memory {
-    let words = bvh.words(triangles);
-    Memory { rows: words.len() as u32, words }
 }
 
 /// What is subtracted from every position.

@@ -4,6 +4,7 @@
 //!
 //! * [`memory`]: typed rows over words,
 //! * [`textures`], [`materials`], [`geometry`], [`plane`], [`lights`]: what each table holds,
+//! * `tree`: the tree over all triangles,
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
 
 pub mod memory;
@@ -12,6 +13,7 @@ pub mod materials;
 pub mod geometry;
 pub mod plane;
 pub mod lights;
+mod tree;
 pub mod classes;
 
 use std::sync::Arc;
@@ -24,9 +26,12 @@ use jerboa_scenes::{Camera, Scene};
 
 pub use classes::Known;
 use memory::{Memory, Table};
+use tree::SceneTree;
 
-use crate::host::bvh::{Bvh, Dropped};
+use crate::host::bvh::{Bounds, Dropped};
+use crate::host::device::Traversal;
 use crate::host::film::Window;
+use crate::host::native::Native;
 use crate::schema::{self, *};
 
 /// The choices of a render that a kernel sees.
@@ -59,6 +64,8 @@ pub struct Tables {
     pub memory: Vec<Arc<Memory>>,
     /// What is known of it.
     pub facts: Facts,
+    /// The tree of the native walk, where that traces the scene; that of kernels is empty then.
+    pub native: Option<Arc<Native>>,
     /// Subtracted from world positions; see [`geometry::Geometry::origin`].
     pub origin: DVec3,
     /// Triangles that no ray can hit.
@@ -67,6 +74,8 @@ pub struct Tables {
     pub bvh_time: Duration,
     /// Radius of the sphere around all triangles, m.
     radius: f32,
+    /// Who was asked for to walk the tree.
+    traversal: Traversal,
     /// Images whose texels are laid out, in their order.
     images: Vec<usize>,
     /// Primitives that are lights, and which.
@@ -83,8 +92,13 @@ pub struct Change {
 }
 
 impl Tables {
-    /// Lay out a scene.
+    /// Lay out a scene for kernels.
     pub fn new(scene: &Scene, choices: &Choices, known: Known) -> Tables {
+        Tables::walked(scene, choices, known, Traversal::Ir)
+    }
+
+    /// Lay out a scene whose tree is walked so, if that can be.
+    pub fn walked(scene: &Scene, choices: &Choices, known: Known, traversal: Traversal) -> Tables {
         let mut memory = vec![Arc::default(); schema::BUFFERS.len()];
         let mut put = |binding: usize, m: Memory| memory[binding] = Arc::new(m);
 
@@ -99,12 +113,12 @@ impl Tables {
         // Triangles and their tree.
         let geometry = geometry::Geometry::new(scene);
         let start = Instant::now();
-        let bvh = Bvh::build(&geometry.triangles);
+        let tree = SceneTree::new(scene, &geometry.triangles, traversal);
         let bvh_time = start.elapsed();
-        put(binding::<Tree>(), geometry::tree(&bvh, &geometry.triangles));
+        put(binding::<Tree>(), tree.words);
 
         // Lights.
-        let radius = radius(&bvh);
+        let radius = radius(&tree.bounds);
         let lights = lights::lights(scene, geometry.origin, radius);
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
@@ -129,7 +143,9 @@ impl Tables {
         lights::mark(&mut memory[binding::<Primitives>()], &[], &lights.marks);
 
         let facts = classes::classify(&mut memory, known, &Facts::none());
-        Tables { memory, facts, origin, dropped: bvh.dropped, bvh_time, radius, images, marks: lights.marks }
+        let SceneTree { native, dropped, .. } = tree;
+        let marks = lights.marks;
+        Tables { memory, facts, native, origin, dropped, bvh_time, radius, traversal, images, marks }
     }
 
     /// The same scene after a change of materials, textures or lights. What has not changed is shared.
@@ -143,6 +159,11 @@ impl Tables {
         }
         new.images = textures.images().to_vec();
         put(binding::<Textures>(), textures.finish());
+        if tree::is_native(scene, self.traversal) != self.native.is_some() {
+            let tree = SceneTree::new(scene, &geometry::Geometry::new(scene).triangles, self.traversal);
+            put(binding::<Tree>(), tree.words);
+            new.native = tree.native;
+        }
         let mut count = self.memory[binding::<Settings>()].words[Settings::LIGHT_COUNT.0 as usize];
         if change.lights {
             let lights = lights::lights(scene, self.origin, self.radius);
@@ -164,14 +185,18 @@ impl Tables {
 }
 
 /// Radius of the sphere around the box of all triangles, m; 0 without triangles.
-fn radius(bvh: &Bvh) -> f32 {
-    let (lo, hi) = (DVec3::from(bvh.bounds.lo.map(f64::from)), DVec3::from(bvh.bounds.hi.map(f64::from)));
-    if bvh.order.is_empty() { 0.0 } else { ((hi - lo).length() / 2.0) as f32 }
+fn radius(bounds: &Bounds) -> f32 {
+    let (lo, hi) = (DVec3::from(bounds.lo.map(f64::from)), DVec3::from(bounds.hi.map(f64::from)));
+    if *bounds == Bounds::EMPTY { 0.0 } else { ((hi - lo).length() / 2.0) as f32 }
+}
+
+/// Has a surface holes?
+fn has_cutouts(scene: &Scene) -> bool {
+    scene.materials.iter().any(|m| m.alpha_mode != jerboa_scenes::AlphaMode::Opaque)
 }
 
 fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
     use Settings as S;
-    let cutouts = scene.materials.iter().any(|m| m.alpha_mode != jerboa_scenes::AlphaMode::Opaque);
     let mut table = Table::<S>::new();
     table
         .push()
@@ -186,7 +211,7 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
         .set(S::LIGHT_COUNT, lights)
-        .set(S::HAS_CUTOUTS, cutouts)
+        .set(S::HAS_CUTOUTS, has_cutouts(scene))
         .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs));
     table.finish()
 }

@@ -1,0 +1,130 @@
+//! The walk by AVX-512: many rays on their way, each in the list of what it does next.
+
+mod line;
+mod triangle;
+mod vector;
+mod walker;
+
+use super::tree::WideTree;
+use super::{Hit, Rays};
+use crate::schema::NONE;
+use vector::prefetch;
+use walker::{Lists, Next};
+
+pub use walker::Walkers;
+
+/// Does this processor have the instructions?
+pub(super) fn is_there() -> bool {
+    is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
+}
+
+/// Traces rays.
+///
+/// # Panics
+/// Where the instructions are not there.
+pub(super) fn trace(tree: &WideTree, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
+    assert!(is_there(), "the native walk takes AVX-512");
+    let walk = Walk { tree, walkers, lists: Lists::new(), rays };
+    // SAFETY: the instructions are there.
+    unsafe { if any_hit { walk.run::<true>() } else { walk.run::<false>() } }
+}
+
+/// Rays on their way.
+struct Walk<'a, R> {
+    tree: &'a WideTree,
+    walkers: &'a mut Walkers,
+    lists: Lists,
+    rays: &'a mut R,
+}
+
+impl<R: Rays> Walk<'_, R> {
+    /// Until no ray is left. `ANY`: any hit is as good as the nearest.
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,popcnt,bmi1")]
+    fn run<const ANY: bool>(mut self) {
+        while !self.lists.are_empty() {
+            self.start_rays();
+            self.enter_nodes::<ANY>();
+            self.test_leaves();
+            self.complete_hits::<ANY>();
+        }
+    }
+
+    /// Hands in what was hit, and takes new rays. A walker that gets none waits no more.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,popcnt,bmi1")]
+    fn start_rays(&mut self) {
+        for i in 0..self.lists.take(Next::Ray) {
+            let id = self.lists.waiting(Next::Ray, i);
+            let walker = self.walkers.walker(id);
+            if let Some(number) = walker.number.take() {
+                self.rays.done(number, walker.best);
+            }
+            while let Some((number, ray)) = self.rays.next() {
+                if ray.is_usable() {
+                    walker.start(number, &ray, &self.tree.bounds);
+                    self.lists.wait(id, Next::Node);
+                    break;
+                }
+                self.rays.done(number, Hit { primitive: NONE, t: ray.tmax, u: 0.0, v: 0.0 });
+            }
+        }
+    }
+
+    /// One node each: the children that are entered go on the stack, and the nearest comes off it.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,popcnt,bmi1")]
+    fn enter_nodes<const ANY: bool>(&mut self) {
+        for i in 0..self.lists.take(Next::Node) {
+            let id = self.lists.waiting(Next::Node, i);
+            let walker = self.walkers.walker(id);
+            let node = self.tree.node(walker.child);
+            let (entered, entry) = walker.line.enters(node, walker.best.t);
+            if ANY {
+                walker.push(node, entered);
+            } else {
+                walker.push_nearest_last(node, entered, entry);
+            }
+            let next = walker.pop();
+            prefetch(self.tree, walker.child);
+            self.lists.wait(id, next);
+        }
+    }
+
+    /// One leaf each. Where the line may meet a triangle, the hit is completed later.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,popcnt,bmi1")]
+    fn test_leaves(&mut self) {
+        for i in 0..self.lists.take(Next::Leaf) {
+            let id = self.lists.waiting(Next::Leaf, i);
+            let walker = self.walkers.walker(id);
+            let leaf = self.tree.leaf(walker.child);
+            let next = walker.pop_unless(triangle::might_meet(leaf, &walker.line));
+            prefetch(self.tree, walker.child);
+            self.lists.wait(id, next);
+        }
+    }
+
+    /// The best hit after a leaf, and what it leaves to do.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,popcnt,bmi1")]
+    fn complete_hits<const ANY: bool>(&mut self) {
+        for i in 0..self.lists.take(Next::Hit) {
+            let id = self.lists.waiting(Next::Hit, i);
+            let walker = self.walkers.walker(id);
+            let leaf = self.tree.leaf(walker.child);
+            let best = triangle::better(leaf, &walker.line, walker.tmax, walker.skip, walker.best);
+            let is_better = best != walker.best;
+            walker.best = best;
+            if ANY && best.primitive != NONE {
+                self.lists.wait(id, Next::Ray);
+                continue;
+            }
+            if is_better && !ANY {
+                walker.forget_farther();
+            }
+            let next = walker.pop();
+            prefetch(self.tree, walker.child);
+            self.lists.wait(id, next);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The walk of the device of streams, by hand for the processor: the kernels `trace` and `shadow` with a wider tree.
+//!
+//! A ray in a tree is a chain of small steps: test a node, test a leaf, complete a hit. Which one comes next nobody can
+//! predict, and what it needs is often in no near cache; so one ray after the other leaves a processor idle for most of the
+//! time. Here many rays are on their way at once, and each waits in the list of what it does next ([`avx512`]): nodes, leaves,
+//! hits. A list is worked off in a loop without branches that depend on the ray, each turn independent of the last one, and
+//! what a ray needs next is asked of the memory when it enters the list. Nodes have eight children and leaves eight triangles
+//! ([`tree`]), tested at once.
+//!
+//! *The hit is that of [`crate::traverse`], to the bit*: a hit is a function of the ray and the triangles, not of the tree or of
+//! the order of visits, as long as triangles and boxes are tested by the same formulas. They are the same, operation by
+//! operation: nothing is contracted, and minimum and maximum give the second operand if either is NaN.
+//!
+//! It is there where the processor has what it takes, and for scenes without cut-outs, whose test is a kernel's; other
+//! scenes are traced by kernels. A scene has one tree in memory, that of whoever walks it.
+
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(not(target_arch = "x86_64"))]
+#[path = "none.rs"]
+mod avx512;
+pub(super) mod streams;
+mod tree;
+
+use super::bvh::{Bounds, Dropped, Triangle};
+use tree::WideTree;
+
+pub use avx512::Walkers;
+
+/// A ray, as [`crate::ray::Ray`].
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Origin, m.
+    pub org: [f32; 3],
+    /// Direction.
+    pub dir: [f32; 3],
+    /// End of the range, in units of `dir`.
+    pub tmax: f32,
+    /// Primitives that it does not hit, or `NONE`.
+    pub skip: [u32; 3],
+}
+
+impl Ray {
+    /// Finite, and with a direction; as in [`crate::traverse`].
+    fn is_usable(&self) -> bool {
+        let sum = |v: [f32; 3]| v[0].abs() + v[1].abs() + v[2].abs();
+        let (place, direction) = (sum(self.org), sum(self.dir));
+        place < f32::INFINITY && direction > 0.0 && direction < f32::INFINITY
+    }
+}
+
+/// What it hits, as [`crate::ray::Hit`].
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Hit {
+    /// The primitive, or `NONE`.
+    pub primitive: u32,
+    /// Distance in units of the direction.
+    pub t: f32,
+    /// Barycentric weight of the second corner.
+    pub u: f32,
+    /// Barycentric weight of the third corner.
+    pub v: f32,
+}
+
+/// Rays to trace, and where hits go.
+pub trait Rays {
+    /// The next ray and its number.
+    fn next(&mut self) -> Option<(u32, Ray)>;
+    /// What the ray of this number hits.
+    fn done(&mut self, number: u32, hit: Hit);
+}
+
+/// The tree of a scene's triangles for the native walk.
+pub struct Native {
+    tree: WideTree,
+}
+
+impl Native {
+    /// Has this processor what it takes?
+    pub fn is_there() -> bool {
+        avx512::is_there()
+    }
+
+    /// The tree over triangles, and which of them are not in it.
+    pub fn new(triangles: &[Triangle]) -> (Native, Dropped) {
+        let (tree, dropped) = WideTree::new(triangles);
+        (Native { tree }, dropped)
+    }
+
+    /// The box of all triangles.
+    pub fn bounds(&self) -> Bounds {
+        self.tree.bounds
+    }
+
+    /// Traces rays. Where any hit is as good as the nearest, nothing but whether there is one has a meaning.
+    ///
+    /// # Panics
+    /// Unless [`Native::is_there`].
+    pub fn trace(&self, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
+        avx512::trace(&self.tree, walkers, any_hit, rays);
+    }
+}

@@ -1,0 +1,124 @@
+//! The native walk finds what the kernel finds, to the bit: the nearest hit of every ray, and whether there is any.
+//!
+//! `JERBOA_RAYS=N` sends N times 25 rays to each list of triangles instead of 16 times.
+
+use jerboa_lib_render::host::bvh::{Bvh, Triangle};
+use jerboa_lib_render::schema::NONE;
+use jerboa_lib_render::traverse::make_traverse;
+
+use jerboa_tests::harness::bench::{Bench, Random, number};
+use jerboa_tests::harness::hostile::{LISTS, soup};
+use jerboa_tests::harness::native::{Words, hits};
+use jerboa_tests::harness::rays::{AIMS, PLACES, SHAPES, ball, declare_traversal, load, ray};
+
+/// Asks both; gives how many rays hit.
+fn compare(bench: &mut Bench, what: &str, triangles: &[Triangle], rays: &[Words]) -> usize {
+    let Some(nearest) = hits(triangles, false, rays) else { return rays.len() };
+    let any = hits(triangles, true, rays).expect("it is there");
+    load(bench, &Bvh::build(triangles), triangles);
+    for ((args, nearest), any) in rays.iter().zip(&nearest).zip(&any) {
+        assert_eq!(nearest[..], bench.run("nearest", args), "{what}: {args:x?}");
+        assert_eq!(any[0] == NONE, nearest[0] == NONE, "{what}, any hit: {args:x?}");
+    }
+    nearest.iter().filter(|hit| hit[0] != NONE).count()
+}
+
+fn bench() -> Bench {
+    Bench::new(|| declare_traversal(make_traverse()))
+}
+
+/// Some rays end, some skip what others would hit.
+fn limited(random: &mut Random, mut args: Words, triangles: usize) -> Words {
+    if random.below(4) == 0 {
+        args[6] = (4.0 * random.uniform() as f32).to_bits();
+    }
+    for skip in &mut args[7..] {
+        if triangles > 0 && random.below(3) == 0 {
+            *skip = random.below(triangles) as u32;
+        }
+    }
+    args
+}
+
+/// As many rays as wait, fewer, more: some counts around the number of walkers.
+const COUNTS: [usize; 5] = [0, 1, 63, 65, 1000];
+
+#[test]
+fn closed_shapes_are_hit_as_by_the_kernel() {
+    let (mut random, mut bench) = (Random::new(0x5eed_0041), bench());
+    let n = number("JERBOA_RAYS", 16);
+    for (shape, place) in SHAPES.iter().flat_map(|shape| PLACES.map(|place| (shape, place))) {
+        let triangles: Vec<Triangle> = (shape.triangles)().iter().map(|t| t.map(|p| place.world(p))).collect();
+        let aims = AIMS.iter().cycle().take(n * AIMS.len());
+        let rays: Vec<Words> = aims
+            .map(|aim| {
+                let (org, dir) = (aim.ray)(&mut random, place, &triangles);
+                ray(org, dir)
+            })
+            .collect();
+        let found = compare(&mut bench, &format!("{}, {place:?}", shape.name), &triangles, &rays);
+        assert_eq!(found, rays.len(), "{}, {place:?}: no holes", shape.name);
+    }
+}
+
+#[test]
+fn hostile_triangles_are_hit_as_by_the_kernel() {
+    let (mut random, mut bench) = (Random::new(0x5eed_0042), bench());
+    let n = number("JERBOA_RAYS", 16);
+    for list in &LISTS {
+        let triangles = (list.make)(&mut random, 2000);
+        let rays: Vec<Words> = (0..25 * n)
+            .map(|i| {
+                let t = triangles.get(random.below(triangles.len().max(1))).copied().unwrap_or_default();
+                let size = t[1][0].abs();
+                let org = random.point().map(|x| x * if size > 0.0 && size.is_finite() { size } else { 1.0 });
+                let to = match i % 3 {
+                    0 => t[0],
+                    1 => [0, 1, 2].map(|k| 0.5 * (t[0][k] + t[1][k])),
+                    _ => [0, 1, 2].map(|k| t[0][k] / 4.0 + t[1][k] / 4.0 + t[2][k] / 2.0),
+                };
+                limited(&mut random, ray(org, [0, 1, 2].map(|k| to[k] - org[k])), triangles.len())
+            })
+            .collect();
+        let found = compare(&mut bench, list.name, &triangles, &rays);
+        println!("{}: {found} of {} rays hit", list.name, rays.len());
+    }
+}
+
+#[test]
+fn ties_go_to_the_smallest_number_natively_too() {
+    let (mut random, mut bench) = (Random::new(0x5eed_0043), bench());
+    // Each triangle seven times: more than a leaf holds lie in one place.
+    let triangles = soup(&mut random, 60, 0.6).repeat(7);
+    for count in COUNTS {
+        let rays: Vec<Words> = (0..count)
+            .map(|_| {
+                let args = ray(random.point().map(|x| 2.0 * x), random.point());
+                limited(&mut random, args, triangles.len())
+            })
+            .collect();
+        let found = compare(&mut bench, "repeated", &triangles, &rays);
+        assert!(count < 100 || found * 8 >= count, "{found} of {count} rays hit");
+    }
+}
+
+#[test]
+fn unusable_rays_and_empty_scenes_miss_natively_too() {
+    let mut bench = bench();
+    let good = ray([0.0; 3], [0.3, -0.2, 1.0]);
+    let mut rays = vec![good];
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -0.0] {
+        for place in 0..7 {
+            let mut args = good;
+            args[place] = bad.to_bits();
+            rays.push(args);
+        }
+    }
+    rays.push(ray([0.0; 3], [0.0; 3]));
+    rays.push(good);
+    let found = compare(&mut bench, "a ball", &ball(8, |_, _| 1.0), &rays);
+    assert!((2..rays.len()).contains(&found) || hits(&[], false, &[]).is_none(), "{found} rays hit");
+    if let Some(hits) = hits(&[], false, &rays) {
+        assert!(hits.iter().all(|hit| hit[0] == NONE), "there is nothing to hit");
+    }
+}
