@@ -33,8 +33,8 @@ pub(crate) struct Buffers {
     distances: FxHashMap<(BufId, Value), Distance>,
     /// Distances to the rows of a part of indices, clamped to a last row or unchecked, for a stride. Likewise.
     gathered: FxHashMap<(Option<Value>, Value, u32), [Distance; LANES]>,
-    /// Four columns of a buffer by rows, at the rows of a part of indices, and whether they stay as they are. Likewise.
-    windows: FxHashMap<(Value, Option<Value>, Value, i32), ([Value; LANES], bool)>,
+    /// Four columns of a buffer by rows, at the rows of a part of indices. Likewise.
+    windows: FxHashMap<(Value, Option<Value>, Value, i32), Window>,
     /// Parts of last rows. Likewise.
     lasts: FxHashMap<Value, Value>,
 }
@@ -142,14 +142,14 @@ impl Buffers {
                 let row = words.at(b, distance).address;
                 b.ins().load(part(Scalar::F32), unaligned, row, start)
             });
-            self.windows.insert(key, (pack::transposed(b, rows), flags.readonly()));
+            self.windows.insert(key, Window { columns: pack::transposed(b, rows), stays: flags.readonly() });
         }
-        self.windows[&key].0[((words.offset - start) / 4) as usize]
+        self.windows[&key].columns[((words.offset - start) / 4) as usize]
     }
 
     /// Streams may have changed.
     pub fn changed(&mut self) {
-        self.windows.retain(|_, (_, readonly)| *readonly);
+        self.windows.retain(|_, window| window.stays);
     }
 
     /// Another block begins: what was made in this one may not dominate it.
@@ -160,6 +160,13 @@ impl Buffers {
         self.windows.clear();
         self.lasts.clear();
     }
+}
+
+/// Four columns of four lanes.
+struct Window {
+    columns: [Value; LANES],
+    /// Does nobody store to them?
+    stays: bool,
 }
 
 impl Start {

@@ -403,6 +403,8 @@ table! {
     pub EnvironmentColumns {
         /// Probability of the texels before this one.
         CDF: F32, bulk;
+        /// Where the search for a column begins, by the share of [0, 1) that the uniform number lies in.
+        GUIDE: U32, bulk;
     }
 }
 
@@ -411,6 +413,8 @@ table! {
     pub EnvironmentRows {
         /// Probability of the rows before this one.
         CDF: F32, bulk;
+        /// Where the search for a row begins, likewise.
+        GUIDE: U32, bulk;
     }
 }
 

@@ -168,6 +168,49 @@ fn invert(cdf: &[f32], u: f32) -> usize {
     cdf[1..cdf.len() - 1].partition_point(|below| *below <= u)
 }
 
+/// Where the search for what a number draws begins and ends: [0, 1) in as many equal shares as there are indices (Chen and
+/// Asau, *On generating random variates from an empirical distribution*, 1974).
+pub struct Guide {
+    /// The first uniform number of each share, in parts; [`PARTS`] where there is none.
+    firsts: Vec<u32>,
+}
+
+impl Guide {
+    /// For distributions over so many indices.
+    ///
+    /// # Panics
+    /// If there is none, or more than 2^24.
+    pub fn new(count: usize) -> Guide {
+        assert!((1..=PARTS as usize).contains(&count), "Guide::new: {count} indices; it takes 1 to 2^24");
+        let first = |k: usize| {
+            // Rounding puts it one or two beside this.
+            let near = (f64::from(PARTS) * k as f64 / count as f64) as u32;
+            let from = near.saturating_sub(2);
+            (from..PARTS).find(|part| share(*part as f32 / PARTS as f32, count) >= k).unwrap_or(PARTS)
+        };
+        Guide { firsts: (0..count).map(first).collect() }
+    }
+
+    /// One entry more than shares: numbers of share k draw indices from entry k to entry k + 1, those included.
+    pub fn of(&self, cdf: &[f32]) -> Vec<u32> {
+        let last = self.firsts.len() - 1;
+        let mut index = 0;
+        let mut entry = |first: &u32| {
+            let u = *first as f32 / PARTS as f32;
+            while index < last && cdf[index + 1] <= u {
+                index += 1;
+            }
+            index as u32
+        };
+        self.firsts.iter().chain([&PARTS]).map(&mut entry).collect()
+    }
+}
+
+/// The share of [0, 1) that a number lies in, as kernels compute it.
+fn share(u: f32, count: usize) -> usize {
+    ((u * count as f32) as usize).min(count - 1)
+}
+
 /// Solid angle of row `y` of `height` (per radian of azimuth): positive at the poles too, where sin(theta) vanishes.
 fn row_measure(y: usize, height: usize) -> f64 {
     let cos = |edge: usize| (std::f64::consts::PI * edge as f64 / height as f64).cos();
@@ -211,6 +254,25 @@ mod tests {
         let nothing = [0.0, -1.0, f64::NAN, f64::INFINITY];
         check(&Distribution1D::new(&nothing), &[1.0; 4]);
         check(&Distribution1D::new(&[-1.0, 2.0, f64::NAN]), &[0.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn a_guide_holds_what_is_drawn() {
+        let uneven = (0..1000).map(|i| f64::from(i * i % 97)).collect::<Vec<_>>();
+        let peak = (0..777).map(|i| if i == 500 { 1e9 } else { f64::from(i % 2) }).collect::<Vec<_>>();
+        for weights in [&[1.0][..], &[0.0, 5.0], &[5.0, 0.0], &[1.0, 2.0, 3.0], &uneven, &peak] {
+            let d = Distribution1D::new(weights);
+            let count = d.count();
+            let guide = Guide::new(count).of(&d.cdf);
+            assert_eq!(guide.len(), count + 1);
+            // Both sides of every edge of a share, and some numbers between.
+            let near = |k: usize| (PARTS as usize * k / count).saturating_sub(3)..PARTS as usize * k / count + 4;
+            let parts = (0..=count).flat_map(near).chain((0..PARTS as usize).step_by(4099));
+            for u in parts.filter(|part| *part < PARTS as usize).map(|part| part as f32 / PARTS as f32) {
+                let (at, drawn) = (share(u, count), d.sample(u) as u32);
+                assert!(guide[at] <= drawn && drawn <= guide[at + 1], "{u} draws {drawn} of {count}");
+            }
+        }
     }
 
     /// A map of `width`x`height` that is black but for the given texels.

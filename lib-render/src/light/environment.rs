@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 
-use crate::core::cdf::{invert, remainder};
+use crate::core::cdf::{invert_guided, remainder};
 use crate::core::color::{Color, color};
 use crate::core::math::{acos, atan2, sincos_turns};
 use crate::core::onb::onb;
@@ -169,13 +169,19 @@ impl Map {
 
     /// Cumulative probability within a row.
     fn column_cdf(self, row: U32, column: U32) -> F32 {
-        Row::at(row * (self.width + 1u32) + column).get(EnvironmentColumns::CDF)
+        self.column_entry(row, column).get(EnvironmentColumns::CDF)
+    }
+
+    /// An entry of the table of a row.
+    fn column_entry(self, row: U32, column: U32) -> Row<EnvironmentColumns> {
+        Row::at(row * (self.width + 1u32) + column)
     }
 
     /// A direction, by two uniform numbers.
     fn sample(self, b: &mut Block, u: Vec2) -> Drawn {
-        let row = invert(b, self.height, row_cdf, u.y);
-        let column = invert(b, self.width, |column| self.column_cdf(row, column), u.x);
+        let row = invert_guided(b, self.height, row_cdf, |share| Row::at(share).get(EnvironmentRows::GUIDE), u.y);
+        let guide = |share| self.column_entry(row, share).get(EnvironmentColumns::GUIDE);
+        let column = invert_guided(b, self.width, |column| self.column_cdf(row, column), guide, u.x);
         let x = remainder(u.x, self.column_cdf(row, column), self.column_cdf(row, column + 1u32));
         let y = remainder(u.y, row_cdf(row), row_cdf(row + 1u32));
         let uv = vec2((column.to_f32() + x) / self.width.to_f32(), (row.to_f32() + y) / self.height.to_f32());

@@ -9,7 +9,7 @@ use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 use super::geometry::Placed;
 use super::memory::{Memory, RowMut, Table};
 use crate::host::bvh::{Triangle, can_be_hit};
-use crate::host::distribution::{Distribution1D, Distribution2D};
+use crate::host::distribution::{Distribution1D, Distribution2D, Guide};
 use crate::host::image_io::{Image, luminance};
 use crate::schema::Lights as L;
 use crate::schema::*;
@@ -269,11 +269,15 @@ pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
         }
         let image = Image { width: e.width, height: e.height, pixels: e.radiance.clone() };
         let distribution = Distribution2D::environment(&image);
-        for p in &distribution.columns {
-            columns.push().set(EnvironmentColumns::CDF, *p);
+        let guide = Guide::new(distribution.width);
+        for cdf in distribution.columns.chunks(distribution.width + 1) {
+            for (p, from) in cdf.iter().zip(guide.of(cdf)) {
+                columns.push().set(EnvironmentColumns::CDF, *p).set(EnvironmentColumns::GUIDE, from);
+            }
         }
-        for p in &distribution.rows.cdf {
-            rows.push().set(EnvironmentRows::CDF, *p);
+        let cdf = &distribution.rows.cdf;
+        for (p, from) in cdf.iter().zip(Guide::new(distribution.height()).of(cdf)) {
+            rows.push().set(EnvironmentRows::CDF, *p).set(EnvironmentRows::GUIDE, from);
         }
     }
     [row.finish(), texels.finish(), columns.finish(), rows.finish()]
