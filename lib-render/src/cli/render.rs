@@ -42,6 +42,8 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
         ..Options::default()
     };
     let renderer = Renderer::new(&scene, options)?;
+    // The renderer has its own tables.
+    drop(scene);
     let mut film = Film::try_crop(size, window)?;
     let job = Render { sample: 0, spp: args.spp, seed: args.seed };
     let stats = with_progress(args, window, |handle| renderer.render_with(&camera, &mut film, job, handle))?;

@@ -19,7 +19,7 @@ use super::device::Traversal;
 use super::dispatch::tables_bound;
 use super::error::Error;
 use super::native::{Hit, Ray, Rays, Walkers};
-use super::tables::geometry::Geometry;
+use super::tables::geometry::triangles;
 use super::tables::{Choices, Known, Tables};
 use crate::schema::NONE;
 
@@ -210,13 +210,13 @@ impl RayBench {
     }
 
     fn make_sets(&self, scene: &Scene, camera: &Camera, side: u32) -> Result<Vec<(Set, Vec<PlainRay>)>, Error> {
-        let geometry = Geometry::new(scene);
+        let triangles = triangles(scene, self.tables.origin);
         let mut random = Random(0x5eed);
-        let primary = from_camera(camera, geometry.origin, side);
-        let (bounce1, on) = self.bounce(&mut random, &primary, &geometry)?;
-        let lights = Lights::new(scene, &geometry);
+        let primary = from_camera(camera, self.tables.origin, side);
+        let (bounce1, on) = self.bounce(&mut random, &primary, &triangles)?;
+        let lights = Lights::new(scene, &triangles);
         let shadow = on.iter().filter_map(|p| lights.ray(&mut random, *p)).collect();
-        let (bounce2, _) = self.bounce(&mut random, &bounce1, &geometry)?;
+        let (bounce2, _) = self.bounce(&mut random, &bounce1, &triangles)?;
         let mut shuffled = bounce2.clone();
         (1..shuffled.len()).rev().for_each(|i| shuffled.swap(i, random.below(i + 1)));
         Ok(Set::ALL.into_iter().zip([primary, bounce1, bounce2, shuffled, shadow]).collect())
@@ -227,15 +227,16 @@ impl RayBench {
         &self,
         random: &mut Random,
         rays: &[PlainRay],
-        geometry: &Geometry,
+        triangles: &[Triangle],
     ) -> Result<(Vec<PlainRay>, Vec<[f32; 3]>), Error> {
-        let step = START * length(sub(geometry_box(geometry)[1], geometry_box(geometry)[0]));
+        let [lo, hi] = box_of(triangles);
+        let step = START * length(sub(hi, lo));
         let mut out = Vec::new();
         for ((org, dir, _), (primitive, t)) in rays.iter().zip(self.hits(rays)?) {
             if primitive == NONE {
                 continue;
             }
-            let normal = normal_of(&geometry.triangles[primitive as usize]);
+            let normal = normal_of(&triangles[primitive as usize]);
             let normal = if dot(normal, *dir) > 0.0 { normal.map(|x| -x) } else { normal };
             let start = [0, 1, 2].map(|k| org[k] + t * dir[k] + step * normal[k]);
             let to = unit([0, 1, 2].map({
@@ -326,10 +327,11 @@ struct Lights {
 }
 
 impl Lights {
-    fn new(scene: &Scene, geometry: &Geometry) -> Lights {
-        let emits = |material: u32| scene.materials[material as usize].is_emissive();
-        let lit = geometry.triangles.iter().zip(&geometry.materials).filter(|(_, m)| emits(**m));
-        Lights { triangles: lit.map(|(t, _)| *t).collect(), bounds: geometry_box(geometry) }
+    fn new(scene: &Scene, triangles: &[Triangle]) -> Lights {
+        let meshes = scene.instances.iter().map(|i| &scene.meshes[i.mesh]);
+        let emits = meshes.flat_map(|m| m.triangles.iter().map(|_| scene.materials[m.material].is_emissive()));
+        let lit = triangles.iter().zip(emits).filter(|(_, emits)| *emits);
+        Lights { triangles: lit.map(|(t, _)| *t).collect(), bounds: box_of(triangles) }
     }
 
     /// A ray from `org` to a random point, unless they nearly coincide.
@@ -354,8 +356,8 @@ impl Lights {
 }
 
 /// Corners of the box of all triangles.
-fn geometry_box(geometry: &Geometry) -> [[f32; 3]; 2] {
-    let corners = geometry.triangles.iter().flatten();
+fn box_of(triangles: &[Triangle]) -> [[f32; 3]; 2] {
+    let corners = triangles.iter().flatten();
     corners.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[lo, hi], p| {
         [[0, 1, 2].map(|k| lo[k].min(p[k])), [0, 1, 2].map(|k| hi[k].max(p[k]))]
     })

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use jerboa_scenes::{Instance, Mesh, Scene};
 
 use super::memory::{Memory, Table};
@@ -10,73 +10,68 @@ use super::plane::Plane;
 use crate::host::bvh::Triangle;
 use crate::schema::*;
 
-/// The triangles of a scene as kernels see them, and what lights need to know of them.
-pub struct Geometry {
-    /// Subtracted from every world position before it is rounded (N14): zero, or the middle of a scene far from zero.
-    pub origin: DVec3,
-    /// Corners of each primitive, world less `origin`.
-    pub triangles: Vec<Triangle>,
-    /// Material of each primitive.
-    pub materials: Vec<u32>,
-    vertices: Table<Vertices>,
-    corners: Vec<[u32; 3]>,
-    geometry_of: Vec<u32>,
-    geometries: Table<Geometries>,
-    attributes: Attributes,
-}
-
-/// Vertex attributes; each list is empty until some mesh has it, then as long as the vertices.
-#[derive(Default)]
-struct Attributes {
-    normals: Vec<Vec3>,
-    uvs: Vec<[Vec2; 2]>,
-    tangents: Vec<Vec4>,
-}
-
 /// Distance from zero, in radii of the scene, beyond which its middle is subtracted: at 16 radii a coordinate has lost
 /// four bits of the detail it has near zero.
 const FAR: f64 = 16.0;
 
+/// What is subtracted from every world position before it is rounded (N14): zero, or the middle of a scene far from zero.
+pub fn origin(scene: &Scene) -> DVec3 {
+    let Some((low, high)) = scene.bounds() else { return DVec3::ZERO };
+    let (middle, radius) = ((low + high) / 2.0, (high - low).length() / 2.0);
+    if middle.length() > FAR * radius { middle } else { DVec3::ZERO }
+}
+
+/// Corners of each primitive, world less the origin.
+pub fn triangles(scene: &Scene, origin: DVec3) -> Vec<Triangle> {
+    let count = scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum();
+    let mut triangles = Vec::with_capacity(count);
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh];
+        let placed = Placed::new(instance, mesh, origin);
+        triangles.extend(placed.corners(mesh).map(|corners| placed.triangle(corners)));
+    }
+    triangles
+}
+
+/// Tables of all instances. Those of attributes are empty until some mesh has them, then as long as the vertices so far.
+#[derive(Default)]
+pub struct Geometry {
+    primitives: Table<Primitives>,
+    geometries: Table<Geometries>,
+    vertices: Table<Vertices>,
+    normals: Table<Normals>,
+    uvs: Table<Uvs>,
+    tangents: Table<Tangents>,
+}
+
 impl Geometry {
-    /// Lay out all instances.
-    pub fn new(scene: &Scene) -> Geometry {
-        let vertices = scene.instances.iter().map(|i| scene.meshes[i.mesh].positions.len()).sum();
-        let mut g = Geometry {
-            origin: origin(scene),
-            triangles: Vec::new(),
-            materials: Vec::new(),
-            vertices: Table::with_rows(vertices),
-            corners: Vec::new(),
-            geometry_of: Vec::new(),
-            geometries: Table::new(),
-            attributes: Attributes::default(),
-        };
+    /// Lay out all instances. Which primitives are lights is [`super::lights::mark`]'s to say.
+    pub fn new(scene: &Scene, origin: DVec3) -> Geometry {
+        let mut geometry = Geometry::default();
         let mut rows = HashMap::new();
-        let triangles = scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum();
-        g.triangles.reserve_exact(triangles);
-        g.materials.reserve_exact(triangles);
-        g.corners.reserve_exact(triangles);
-        g.geometry_of.reserve_exact(triangles);
         for instance in &scene.instances {
-            g.add(instance, &scene.meshes[instance.mesh], &mut rows);
+            geometry.add(instance, &scene.meshes[instance.mesh], origin, &mut rows);
         }
-        g
+        geometry
     }
 
     /// One instance: its vertices, its triangles and the row that says what they have in common.
-    fn add(&mut self, instance: &Instance, mesh: &Mesh, rows: &mut HashMap<[u32; 5], u32>) {
+    fn add(&mut self, instance: &Instance, mesh: &Mesh, origin: DVec3, rows: &mut HashMap<[u32; 5], u32>) {
+        use Primitives as P;
         let first = self.vertices.rows();
-        let placed = Placed::new(instance, mesh, self.origin);
+        let placed = Placed::new(instance, mesh, origin);
         for p in &placed.positions {
             self.vertices.push().set_all([Vertices::X, Vertices::Y, Vertices::Z], p.to_array());
         }
-        self.attributes.add(mesh, placed.to_world.matrix3, first as usize);
+        self.attributes(mesh, placed.to_world.matrix3, first);
         let geometry = self.geometry_row(mesh, rows);
         for corners in placed.corners(mesh) {
-            self.triangles.push(placed.triangle(corners));
-            self.corners.push(corners.map(|i| first + i));
-            self.geometry_of.push(geometry);
-            self.materials.push(mesh.material as u32);
+            let [a, b, c] = corners.map(|i| first + i);
+            let mut row = self.primitives.push();
+            row.set(P::I0, a).set(P::I1, b).set(P::I2, c).set(P::GEOMETRY, geometry).set(P::LIGHT, NONE);
+            for (column, x) in Plane::of(&placed.triangle(corners)).columns() {
+                row.set(column, x);
+            }
         }
     }
 
@@ -100,43 +95,8 @@ impl Geometry {
         })
     }
 
-    /// Primitives; which of them are lights is [`super::lights::mark`]'s to say.
-    pub fn primitives(&self) -> Memory {
-        use Primitives as P;
-        let mut table = Table::<P>::with_rows(self.corners.len());
-        for (i, [a, b, c]) in self.corners.iter().enumerate() {
-            let mut row = table.push();
-            row.set(P::I0, *a).set(P::I1, *b).set(P::I2, *c);
-            row.set(P::GEOMETRY, self.geometry_of[i]).set(P::LIGHT, NONE);
-            for (column, x) in Plane::of(&self.triangles[i]).columns() {
-                row.set(column, x);
-            }
-        }
-        table.finish()
-    }
-
-    /// The tables of geometries, vertices, normals, texture coordinates and tangents.
-    pub fn finish(self) -> [Memory; 5] {
-        let Attributes { normals, uvs, tangents } = self.attributes;
-        let mut n = Table::<Normals>::with_rows(normals.len());
-        for x in normals {
-            n.push().set_all([Normals::X, Normals::Y, Normals::Z], x.to_array());
-        }
-        let mut u = Table::<Uvs>::with_rows(uvs.len());
-        for [a, b] in uvs {
-            u.push().set_all([Uvs::U0, Uvs::V0, Uvs::U1, Uvs::V1], [a.x, a.y, b.x, b.y]);
-        }
-        let mut t = Table::<Tangents>::with_rows(tangents.len());
-        for x in tangents {
-            t.push().set_all([Tangents::X, Tangents::Y, Tangents::Z, Tangents::SIGN], x.to_array());
-        }
-        [self.geometries.finish(), self.vertices.finish(), n.finish(), u.finish(), t.finish()]
-    }
-}
-
-impl Attributes {
-    /// Append the attributes of a mesh whose first vertex is `first`.
-    fn add(&mut self, mesh: &Mesh, to_world: DMat3, first: usize) {
+    /// The attributes of a mesh whose first vertex is `first`.
+    fn attributes(&mut self, mesh: &Mesh, to_world: DMat3, first: u32) {
         // Normals transform by the cofactor matrix: the inverse transpose times the determinant, whose sign is taken out.
         let sign = to_world.determinant().signum();
         let cofactor = DMat3::from_cols(
@@ -145,20 +105,40 @@ impl Attributes {
             to_world.x_axis.cross(to_world.y_axis),
         ) * sign;
         if let Some(normals) = &mesh.normals {
-            self.normals.resize(first, Vec3::ZERO);
-            self.normals.extend(normals.iter().map(|n| (cofactor * n.as_dvec3()).normalize_or_zero().as_vec3()));
+            self.normals.pad(first);
+            for n in normals {
+                let n = (cofactor * n.as_dvec3()).normalize_or_zero().as_vec3();
+                self.normals.push().set_all([Normals::X, Normals::Y, Normals::Z], n.to_array());
+            }
         }
         if mesh.uvs.iter().any(Option::is_some) {
-            self.uvs.resize(first, [Vec2::ZERO; 2]);
+            self.uvs.pad(first);
             let at = |set: usize, i: usize| mesh.uvs[set].as_ref().map_or(Vec2::ZERO, |uv| uv[i]);
-            self.uvs.extend((0..mesh.positions.len()).map(|i| [at(0, i), at(1, i)]));
+            for i in 0..mesh.positions.len() {
+                let (a, b) = (at(0, i), at(1, i));
+                self.uvs.push().set_all([Uvs::U0, Uvs::V0, Uvs::U1, Uvs::V1], [a.x, a.y, b.x, b.y]);
+            }
         }
         if let Some(tangents) = &mesh.tangents {
-            self.tangents.resize(first, Vec4::ZERO);
-            let world =
-                |t: &Vec4| (to_world * t.truncate().as_dvec3()).normalize_or_zero().as_vec3().extend(t.w * sign as f32);
-            self.tangents.extend(tangents.iter().map(world));
+            self.tangents.pad(first);
+            for t in tangents {
+                let [x, y, z] = (to_world * t.truncate().as_dvec3()).normalize_or_zero().as_vec3().to_array();
+                let columns = [Tangents::X, Tangents::Y, Tangents::Z, Tangents::SIGN];
+                self.tangents.push().set_all(columns, [x, y, z, t.w * sign as f32]);
+            }
         }
+    }
+
+    /// The tables of primitives, geometries, vertices, normals, texture coordinates and tangents.
+    pub fn finish(self) -> [Memory; 6] {
+        [
+            self.primitives.finish(),
+            self.geometries.finish(),
+            self.vertices.finish(),
+            self.normals.finish(),
+            self.uvs.finish(),
+            self.tangents.finish(),
+        ]
     }
 }
 
@@ -207,11 +187,4 @@ fn longest_side_last(corners: [u32; 3], positions: &[Vec3]) -> [u32; 3] {
     } else {
         corners
     }
-}
-
-/// What is subtracted from every position.
-fn origin(scene: &Scene) -> DVec3 {
-    let Some((low, high)) = scene.bounds() else { return DVec3::ZERO };
-    let (middle, radius) = ((low + high) / 2.0, (high - low).length() / 2.0);
-    if middle.length() > FAR * radius { middle } else { DVec3::ZERO }
 }

@@ -72,6 +72,14 @@ impl<B: Buf> Table<B> {
         RowMut { words: &mut self.memory.words[start..], buf: PhantomData }
     }
 
+    /// Append rows of zeros until there are so many.
+    pub fn pad(&mut self, rows: u32) {
+        if self.memory.rows < rows {
+            self.memory.words.resize(rows as usize * B::COLUMNS.len(), 0);
+            self.memory.rows = rows;
+        }
+    }
+
     /// Number of rows so far.
     pub fn rows(&self) -> u32 {
         self.memory.rows

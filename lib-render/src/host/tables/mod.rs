@@ -66,7 +66,7 @@ pub struct Tables {
     pub facts: Facts,
     /// The tree of the native walk, where that traces the scene; that of kernels is empty then.
     pub native: Option<Arc<Native>>,
-    /// Subtracted from world positions; see [`geometry::Geometry::origin`].
+    /// Subtracted from world positions; see [`geometry::origin`].
     pub origin: DVec3,
     /// Triangles that no ray can hit.
     pub dropped: Dropped,
@@ -102,6 +102,15 @@ impl Tables {
         let mut memory = vec![Arc::default(); schema::BUFFERS.len()];
         let mut put = |binding: usize, m: Memory| memory[binding] = Arc::new(m);
 
+        // The tree first: building it takes more memory than anything else, and what is here by then comes on top.
+        let origin = geometry::origin(scene);
+        let triangles = geometry::triangles(scene, origin);
+        let start = Instant::now();
+        let SceneTree { words, native, bounds, dropped } = SceneTree::new(scene, &triangles, traversal);
+        let bvh_time = start.elapsed();
+        put(binding::<Tree>(), words);
+        drop(triangles);
+
         // Materials and what they look up.
         let mut textures = textures::Textures::new(scene);
         put(binding::<Materials>(), materials::materials(scene, &mut textures));
@@ -110,16 +119,19 @@ impl Tables {
         put(binding::<Textures>(), textures.finish());
         put(binding::<SrgbCurve>(), textures::srgb_curve());
 
-        // Triangles and their tree.
-        let geometry = geometry::Geometry::new(scene);
-        let start = Instant::now();
-        let tree = SceneTree::new(scene, &geometry.triangles, traversal);
-        let bvh_time = start.elapsed();
-        put(binding::<Tree>(), tree.words);
+        // Triangles.
+        let geometry = geometry::Geometry::new(scene, origin);
+        let [primitives, geometries, vertices, normals, uvs, tangents] = geometry.finish();
+        put(binding::<Primitives>(), primitives);
+        put(binding::<Geometries>(), geometries);
+        put(binding::<Vertices>(), vertices);
+        put(binding::<Normals>(), normals);
+        put(binding::<Uvs>(), uvs);
+        put(binding::<Tangents>(), tangents);
 
         // Lights.
-        let radius = radius(&tree.bounds);
-        let lights = lights::lights(scene, geometry.origin, radius);
+        let radius = radius(&bounds);
+        let lights = lights::lights(scene, origin, radius);
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
@@ -129,21 +141,12 @@ impl Tables {
         put(binding::<EnvironmentRows>(), rows);
 
         put(binding::<Settings>(), settings(scene, choices, lights.count));
-        put(binding::<Primitives>(), geometry.primitives());
-        let origin = geometry.origin;
-        let [geometries, vertices, normals, uvs, tangents] = geometry.finish();
-        put(binding::<Geometries>(), geometries);
-        put(binding::<Vertices>(), vertices);
-        put(binding::<Normals>(), normals);
-        put(binding::<Uvs>(), uvs);
-        put(binding::<Tangents>(), tangents);
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
         lights::mark(&mut memory[binding::<Primitives>()], &[], &lights.marks);
 
         let facts = classes::classify(&mut memory, known, &Facts::none());
-        let SceneTree { native, dropped, .. } = tree;
         let marks = lights.marks;
         Tables { memory, facts, native, origin, dropped, bvh_time, radius, traversal, images, marks }
     }
@@ -160,7 +163,7 @@ impl Tables {
         new.images = textures.images().to_vec();
         put(binding::<Textures>(), textures.finish());
         if tree::is_native(scene, self.traversal) != self.native.is_some() {
-            let tree = SceneTree::new(scene, &geometry::Geometry::new(scene).triangles, self.traversal);
+            let tree = SceneTree::new(scene, &geometry::triangles(scene, self.origin), self.traversal);
             put(binding::<Tree>(), tree.words);
             new.native = tree.native;
         }
