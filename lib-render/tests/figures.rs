@@ -33,7 +33,8 @@ fn charts(words: &str) -> Vec<Value> {
         assert!(picture.contains(chart["title"].as_str().expect("text")), "{picture}");
         for group in list(&chart["groups"]) {
             assert_eq!(keys(group), "bars name notes");
-            assert!(picture.contains(group["name"].as_str().expect("text")), "{picture}");
+            let is_drawn = picture.contains(group["name"].as_str().expect("text"));
+            assert_eq!(is_drawn, !list(&group["bars"]).is_empty(), "{picture}");
             for bar in list(&group["bars"]) {
                 assert_eq!(keys(bar), "least median most series");
                 let [least, median, most] = ["least", "median", "most"].map(|k| bar[k].as_f64().expect("a number"));
@@ -101,13 +102,16 @@ fn table_2_tells_the_speed_at_every_level() {
     let charts =
         charts("table-2 builtin:empty builtin:quad-light --width 8 --height 8 --spp 2 --rounds 2 --max-depth 3");
     assert_eq!(charts[0]["unit"], "Msamples/s");
-    assert_eq!(series(&charts[0]), [["nothing", "structure", "all"]; 2]);
+    let levels = vec!["nothing", "structure", "all"];
+    assert_eq!(series(&charts[0]), [levels.clone(), levels, vec![]], "two scenes and their mean");
     let notes = |k: usize| &charts[0]["groups"][k]["notes"];
     // A ray that meets nothing is a sample; what is black has no variance to speak of.
     assert_eq!((&notes(0)["rays a sample"], &notes(0)["variance"]), (&1.0.into(), &Value::Null));
     let rays = notes(1)["rays a sample"].as_f64().expect("a number");
     assert!(rays > 1.0 && rays < 5.0, "{rays} rays with at most three edges and two vertices");
     assert!(notes(1)["variance"].as_f64().is_some_and(|v| v > 0.0));
+    let gains = [0, 1, 2].map(|k| notes(k)["gain by structure"].as_f64().expect("a number"));
+    assert!(((gains[0] * gains[1]).sqrt() / gains[2] - 1.0).abs() < 1e-9, "{gains:?}");
 }
 
 #[test]
@@ -187,7 +191,7 @@ fn folder_with_peer() -> TempDir {
 fn a_peer_takes_its_turn() {
     let words = "table-2 void.glb --width 8 --height 8 --spp 1 --rounds 1 --json --peer ./peer --peer-lanes 8";
     let charts: Vec<Value> = serde_json::from_str(&bench(&folder_with_peer(), words)).expect("a list");
-    assert_eq!(series(&charts[0]), [["nothing", "structure", "all", "Mitsuba 3, 8 lanes"]]);
+    assert_eq!(series(&charts[0])[0], ["nothing", "structure", "all", "Mitsuba 3, 8 lanes"]);
     let group = &charts[0]["groups"][0];
     // 64 samples in half a second.
     assert_eq!(group["bars"][3]["median"].as_f64(), Some(64.0 / 0.5 / 1e6));

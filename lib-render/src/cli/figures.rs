@@ -128,14 +128,12 @@ pub(super) fn table_2(args: &Table2Args) -> Result<String, Error> {
                 python.map(|python| Peer::start(python, Path::new(path), &job, args.peer_lanes)).transpose()?;
             groups.push(in_pool(args.threads, || table_2::measure(&scene, &job, peer.as_mut()))?);
         }
-        let peer = args.peer_lanes.map_or("Mitsuba 3".into(), |n| format!("Mitsuba 3, {n} lanes"));
-        Ok(vec![Chart {
-            title: "Whole renders".into(),
-            unit: "Msamples/s",
-            stacked: false,
-            series: LEVELS.iter().map(|(_, name)| name.to_string()).chain([peer]).collect(),
-            groups,
-        }])
+        groups.push(table_2::means(&groups));
+        let lanes = args.peer_lanes.map_or(String::new(), |n| format!(", {n} lanes"));
+        let peer = args.peer.as_ref().map(|_| format!("Mitsuba 3{lanes}"));
+        let series: Vec<String> = LEVELS.iter().map(|(_, name)| name.to_string()).chain(peer).collect();
+        groups.iter_mut().for_each(|g| g.bars.resize(series.len(), None));
+        Ok(vec![Chart { title: "Whole renders".into(), unit: "Msamples/s", stacked: false, series, groups }])
     })
 }
 

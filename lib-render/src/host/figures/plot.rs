@@ -52,14 +52,15 @@ impl Plot<'_> {
         let most = chart.groups.iter().map(|g| self.length(g)).fold(f64::MIN_POSITIVE, f64::max);
         let step = step(most);
         let x = |value: f64| left + value / most * BARS;
-        let bottom = top + chart.groups.iter().map(|g| self.height(g) + GAP).sum::<f64>();
+        let drawn = || chart.groups.iter().filter(|g| g.bars.iter().any(Option::is_some));
+        let bottom = top + drawn().map(|g| self.height(g) + GAP).sum::<f64>();
         for n in 0..=(most / step) as u32 {
             let at = x(f64::from(n) * step);
             self.line([at, top], [at, bottom], 0.25);
             self.text(at, bottom + LINE, "middle", &short(f64::from(n) * step));
         }
         let mut at = top + GAP / 2.0;
-        for group in &chart.groups {
+        for group in drawn() {
             let height = self.height(group);
             self.text(left - GAP, at + height / 2.0 + 4.0, "end", &group.name);
             if chart.stacked {

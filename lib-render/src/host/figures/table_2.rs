@@ -14,7 +14,7 @@ use std::time::Duration;
 use jerboa_scenes::Scene;
 
 use super::peer::Peer;
-use super::{Group, LEVELS, Spread, in_turn};
+use super::{Group, LEVELS, in_turn};
 use crate::host::error::Error;
 use crate::host::film::Film;
 use crate::host::image_io::{Image, luminance};
@@ -40,6 +40,9 @@ pub const RR_DEPTH: u32 = 5;
 /// Largest probability with which roulette lets a path go on, with the peers.
 pub const RR_CAP: f32 = 0.95;
 
+/// How many times quicker level `structure` is than level `nothing`, and than the peer.
+const GAINS: [&str; 2] = ["gain by structure", "gain over peer"];
+
 /// The rules of comparison.
 pub fn fair(max_depth: u32) -> Choices {
     Choices {
@@ -59,7 +62,7 @@ enum Variant<'p> {
     Peer(&'p mut Peer),
 }
 
-/// Measures a scene: a bar for each level of knowledge, and one for the peer.
+/// Measures a scene: a bar for each level of knowledge, and one for the peer if there is one.
 ///
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render_with`]; when the images of two levels differ, a fault of Jerboa; when the peer
@@ -69,7 +72,6 @@ pub fn measure(scene: &Scene, job: &Job, mut peer: Option<&mut Peer>) -> Result<
     let options = |known| Options { known, choices: fair(job.max_depth), ..Options::default() };
     let new = |(known, _)| Ok(Variant::Level(Box::new(Renderer::new(scene, options(known))?)));
     let mut variants = LEVELS.into_iter().map(new).collect::<Result<Vec<_>, Error>>()?;
-    let has_peer = peer.is_some();
     variants.extend(peer.as_deref_mut().map(Variant::Peer));
 
     let samples = f64::from(job.size[0]) * f64::from(job.size[1]) * f64::from(job.spp);
@@ -110,15 +112,22 @@ pub fn measure(scene: &Scene, job: &Job, mut peer: Option<&mut Peer>) -> Result<
         ("rays a sample".into(), rays as f64 / samples / f64::from(job.rounds)),
         ("variance".into(), ours.variance(job.spp)),
     ];
+    notes.push((GAINS[0].into(), speeds[1].median / speeds[0].median));
     if let Some(peer) = peer {
         notes.push(("peer's variance".into(), peer.variance()?));
-        notes.push(("structure to peer".into(), speeds[1].median / speeds[3].median));
+        notes.push((GAINS[1].into(), speeds[1].median / speeds[3].median));
     }
-    let mut bars: Vec<Option<Spread>> = speeds.into_iter().map(Some).collect();
-    if !has_peer {
-        bars.push(None);
-    }
-    Ok(Group { name: scene.name.clone(), bars, notes })
+    Ok(Group { name: scene.name.clone(), bars: speeds.into_iter().map(Some).collect(), notes })
+}
+
+/// The geometric means of what the scenes gain; no bars.
+pub fn means(scenes: &[Group]) -> Group {
+    let mean = |name: &str| {
+        let gains = scenes.iter().flat_map(|g| &g.notes).filter(|(n, _)| n == name);
+        let logs: Vec<f64> = gains.map(|(_, gain)| gain.ln()).collect();
+        (!logs.is_empty()).then(|| (name.into(), (logs.iter().sum::<f64>() / logs.len() as f64).exp()))
+    };
+    Group { name: "geometric mean".into(), bars: vec![], notes: GAINS.into_iter().filter_map(mean).collect() }
 }
 
 /// Independent pictures of the same size, summed up.
@@ -160,5 +169,13 @@ mod tests {
             pictures.add(&Image { width: 2, height: 1, pixels: vec![[a; 3], [b; 3]] });
         }
         assert!((pictures.variance(8) - 8.0 * 1.0 / 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn means_are_geometric() {
+        let group = |gain| Group { name: "a".into(), bars: vec![], notes: vec![(GAINS[0].into(), gain)] };
+        let mean = means(&[group(2.0), group(8.0)]);
+        assert_eq!((mean.notes.len(), mean.notes[0].0.as_str()), (1, GAINS[0]));
+        assert!((mean.notes[0].1 - 4.0).abs() < 1e-12);
     }
 }
