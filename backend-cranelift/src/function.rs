@@ -77,6 +77,7 @@ pub(crate) fn emit(
         group: None,
         rows: None,
         deferred: BTreeMap::new(),
+        addresses: FxHashMap::default(),
     };
     e.begin(&unit.schedules[index]);
     for &block in f.dom.preorder() {
@@ -134,6 +135,8 @@ struct Emitter<'a> {
     rows: Option<rows::Rows>,
     /// Loads of runs that nobody has used yet, by the block whose parameter they are.
     deferred: BTreeMap<u32, deferred::Deferred>,
+    /// Addresses in local arrays, by the index that they are of, of the block at hand.
+    addresses: FxHashMap<(NodeId, Option<NodeId>), Value>,
 }
 
 impl Emitter<'_> {
@@ -191,6 +194,7 @@ impl Emitter<'_> {
         self.b.switch_to_block(block);
         self.literals.clear();
         self.constants.clear();
+        self.addresses.clear();
         self.buffers.begin_block();
     }
 

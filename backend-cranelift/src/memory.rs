@@ -131,25 +131,32 @@ impl Local {
         self.len
     }
 
-    /// Fills it with zeros: a few stores, or a loop.
+    /// Fills it with zeros: a few stores, or a loop of some at a time.
     pub fn clear(self, b: &mut FunctionBuilder) {
-        const UNROLLED: u64 = 16 * 16;
+        const AT_A_TIME: u64 = 16 * 16;
         let bytes = Local::bytes(self.len);
         let base = b.ins().stack_addr(POINTER, self.slot, 0);
         let zero = pack::constant(b, types::I32X4, [0; LANES]);
-        if bytes <= UNROLLED {
-            for at in (0..bytes as i32).step_by(16) {
-                b.ins().store(MemFlagsData::trusted(), zero, base, at);
+        let some = |b: &mut FunctionBuilder, at: Value, bytes: u64| {
+            for offset in (0..bytes as i32).step_by(16) {
+                b.ins().store(MemFlagsData::trusted(), zero, at, offset);
             }
-            return;
+        };
+        let rest = bytes % AT_A_TIME;
+        some(b, base, rest);
+        let first = b.ins().iadd_imm_u(base, rest as i64);
+        match bytes / AT_A_TIME {
+            0 => return,
+            1 => return some(b, first, AT_A_TIME),
+            _ => {}
         }
         let (body, done) = (b.create_block(), b.create_block());
         let at = b.append_block_param(body, POINTER);
         let end = b.ins().iadd_imm_u(base, bytes as i64);
-        b.ins().jump(body, &[base.into()]);
+        b.ins().jump(body, &[first.into()]);
         b.switch_to_block(body);
-        b.ins().store(MemFlagsData::trusted(), zero, at, 0);
-        let next = b.ins().iadd_imm_u(at, 16);
+        some(b, at, AT_A_TIME);
+        let next = b.ins().iadd_imm_u(at, AT_A_TIME as i64);
         let more = b.ins().icmp(IntCC::UnsignedLessThan, next, end);
         b.ins().brif(more, body, &[next.into()], done, &[]);
         b.switch_to_block(done);

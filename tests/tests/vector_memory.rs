@@ -242,3 +242,65 @@ fun main(at: {index}, return: fn(f32x4))
         assert!(stop.to_string().contains("unchecked read of `t` at"), "{stop}");
     }
 }
+
+/// Local arrays at indices of which the program says how large they are at most: elements and runs that are surely there,
+/// that just are not, and that are stored between a load and the use of its value.
+#[test]
+fn bounded_indices_of_local_arrays_agree() {
+    use jerboa_ir::lang::{Block, F32, Fun, U32, Vector, build, entry};
+    let body = |b: &mut Block, (x, y): (U32, U32)| -> (U32, Vector<F32, 4>) {
+        let (words, floats) = (b.array::<U32>(LEN), b.array::<F32>(2 * LEN));
+        let mut sum = U32::from(0);
+        for offset in 0..=LEN {
+            // At most 3 + offset: from offset 3 on it may lie beyond the end.
+            let at = (x & 3) + offset;
+            let before = b.get(words, at);
+            b.set(words, at, y + offset);
+            let after = b.get(words, at);
+            sum = sum * 31 + before * 7 + after;
+            b.set(floats, (x & 1) * 5 + offset, after.to_f32());
+        }
+        // At most 8, the last run that fits, and 9.
+        let mut runs = Vector::<F32, 4>::splat(0.0);
+        for offset in [5, 6] {
+            let at = (x & 3) + offset;
+            let run = b.get_run(floats, at);
+            b.set_run(floats, at, run + Vector::splat(1.0));
+            runs = runs + run + b.get_run(floats, at);
+        }
+        (sum, runs)
+    };
+    let p = build(|| entry("main", Fun::<(U32, U32), (U32, Vector<F32, 4>)>::named("main", body)));
+    let generic = Generic::new(p);
+    let residual = specialize(&generic, "main", &[Arg::Unknown; 2], &Facts::none(), &Default::default());
+    let p = residual.expect("it is small").program;
+    let code = cranelift::compile(&[&p], &Default::default()).expect("it compiles");
+    let main = p.entry("main").expect("there is a main");
+    for x in 0..8 {
+        let len = LEN as usize;
+        let (mut words, mut floats, mut sum) = (vec![0; len], vec![0.0; 2 * len], 0_u32);
+        for offset in 0..=len {
+            let at = (x & 3) as usize + offset;
+            let before = words[at.min(len - 1)];
+            if let Some(word) = words.get_mut(at) {
+                *word = 100 + offset as u32;
+            }
+            let after = words[at.min(len - 1)];
+            sum = sum.wrapping_mul(31).wrapping_add(before * 7 + after);
+            floats[(x & 1) as usize * 5 + offset] = after as f32;
+        }
+        let mut runs = [0.0; 4];
+        for offset in [5, 6] {
+            let at = |lane: usize| (x & 3) as usize + offset + lane;
+            let last = 2 * len - 1;
+            let run = [0, 1, 2, 3].map(|lane| floats[at(lane).min(last)]);
+            (0..4).filter(|lane| at(*lane) <= last).for_each(|lane| floats[at(lane)] = run[lane] + 1.0);
+            runs = std::array::from_fn(|lane| runs[lane] + run[lane] + floats[at(lane).min(last)]);
+        }
+        let expected: Vec<Lit> = [Lit::U32(sum)].into_iter().chain(runs.map(Lit::f32)).collect();
+        let args = [Lit::U32(x), Lit::U32(100)];
+        assert_eq!(run(&p, main, &args, &mut [], Limits::default()), Ok(expected.clone()), "interpreter, {x}");
+        let kernel = code.kernel("main").expect("main is compiled");
+        assert_eq!(call(kernel, &p, main, &args, &mut []), Ok(expected), "machine code, {x}");
+    }
+}

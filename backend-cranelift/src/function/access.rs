@@ -2,11 +2,12 @@
 
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{InstBuilder, MemFlagsData, Value};
-use jerboa_ir::{Column, Lit, Mem, Node, NodeId, Scalar};
+use jerboa_ir::{Column, Lit, Mem, Node, NodeId, Op, Scalar};
 
 use super::Emitter;
+use super::range::most;
 use crate::abi::data;
-use crate::memory::{self, Local, Words};
+use crate::memory::{self, Local, Place, Words};
 
 impl Emitter<'_> {
     /// What a table holds in a column.
@@ -32,6 +33,11 @@ impl Emitter<'_> {
         let (scalar, lanes) = loaded.ok_or("a load gives no data")?;
         if lanes > 1 && data(p.ty(index)).1 == 1 {
             return self.load_run(block, mem, index, (scalar, lanes));
+        }
+        if let (1, Mem::Local(x)) = (lanes, mem)
+            && let Some(place) = self.elements(*x, index, 1)?
+        {
+            return Ok(vec![memory::load(&mut self.b, scalar, &place, MemFlagsData::trusted())]);
         }
         let words = self.words(mem)?;
         let unchecked = matches!(mem, Mem::Unchecked(_));
@@ -75,6 +81,13 @@ impl Emitter<'_> {
         if lanes > 1 && data(p.ty(index)).1 == 1 {
             return self.store_run(block, mem, index, value, mask);
         }
+        if let (1, Mem::Local(x)) = (lanes, mem)
+            && let Some(place) = self.elements(*x, index, 1)?
+        {
+            let value = self.scalar(value);
+            memory::store(&mut self.b, scalar, &place, value);
+            return Ok(());
+        }
         let words = self.words(mem)?;
         if lanes > 1 {
             let rows = self.values(index);
@@ -91,6 +104,39 @@ impl Emitter<'_> {
         self.b.ins().jump(after, &[]);
         self.b.switch_to_block(after);
         Ok(())
+    }
+
+    /// So many elements of a local array from an index on, if all of them are surely there. Indices that differ by a
+    /// literal share an address in a block.
+    pub(super) fn elements(&mut self, array: NodeId, index: NodeId, lanes: usize) -> Result<Option<Place>, String> {
+        let (p, local) = (self.unit.program, self.local(array)?);
+        if most(p, index).is_none_or(|most| u64::from(most) + lanes as u64 > u64::from(local.len())) {
+            return Ok(None);
+        }
+        let (row, distance) = match (p.node(index), p.as_lit(index)) {
+            (_, Some(lit)) => (None, lit.word()),
+            (Node::Prim { op: Op::Add, args }, _) => match p.as_lit(args[1]) {
+                Some(lit) => (Some(args[0]), lit.word()),
+                None => (Some(index), 0),
+            },
+            _ => (Some(index), 0),
+        };
+        let address = match self.addresses.get(&(array, row)) {
+            Some(address) => *address,
+            None => {
+                let words = local.words(&mut self.b);
+                let address = match row {
+                    None => words.base,
+                    Some(row) => {
+                        let row = self.scalar(row);
+                        words.row(&mut self.b, row).address
+                    }
+                };
+                self.addresses.insert((array, row), address);
+                address
+            }
+        };
+        Ok(Some(Place { address, offset: distance as i32 * 4 }))
     }
 
     pub(super) fn words(&mut self, mem: &Mem) -> Result<Words, String> {

@@ -1,4 +1,4 @@
-//! What is known of numbers: bounds that spare an operation its special cases.
+//! What is known of numbers: bounds that spare an operation its special cases, and an index its check.
 //!
 //! Clamps, roundings and conversions from integers say how large a float can be, and that it is no NaN. A conversion to
 //! integers in range is one instruction of x86-64 instead of seven, and the bits of what is no NaN are just there.
@@ -72,6 +72,27 @@ impl Range {
             Op::ToF32 => Some(Range { low: 0.0, high: 4_294_967_296.0 }),
             _ => None,
         }
+    }
+}
+
+/// The largest that a `u32` can be, if masks and literals say so.
+pub(super) fn most(p: &Program, x: NodeId) -> Option<u32> {
+    most_within(p, x, DEPTH)
+}
+
+fn most_within(p: &Program, x: NodeId, depth: u32) -> Option<u32> {
+    let depth = depth.checked_sub(1)?;
+    let (op, args) = match p.node(x) {
+        Node::Lit(lit) => return lit.as_u32(),
+        Node::Prim { op, args } => (*op, args),
+        _ => return None,
+    };
+    let of = |i: usize| most_within(p, args[i], depth);
+    match op {
+        Op::And => of(0).into_iter().chain(of(1)).min(),
+        Op::Add => of(0)?.checked_add(of(1)?),
+        Op::Mul => of(0)?.checked_mul(of(1)?),
+        _ => None,
     }
 }
 

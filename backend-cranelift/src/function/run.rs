@@ -11,7 +11,7 @@ use jerboa_ir::{Body, Layout, Lit, Mem, NodeId, Op, Scalar};
 
 use super::Emitter;
 use crate::abi::{LANES, POINTER, data, part};
-use crate::memory::Words;
+use crate::memory::{self, Words};
 use crate::{pack, vector};
 
 /// The columns of a group are at most so far apart: their copies take 2 KiB of the frame.
@@ -25,9 +25,18 @@ const COPY: i64 = 64;
 pub(super) struct Place {
     /// Of the first column's.
     address: Value,
+    /// Bytes from there to the run.
+    offset: i32,
     /// Bytes from a column to the next.
     step: Value,
     first: u32,
+}
+
+impl From<memory::Place> for Place {
+    /// The one column of this place is its first.
+    fn from(place: memory::Place) -> Place {
+        Place { address: place.address, offset: place.offset, step: place.address, first: 0 }
+    }
 }
 
 /// A group whose runs are not all made yet.
@@ -53,7 +62,7 @@ fn unaligned() -> MemFlagsData {
 }
 
 /// The number of a column, or of a local array, which is a group alone.
-fn number(mem: &Mem) -> u32 {
+pub(super) fn number(mem: &Mem) -> u32 {
     match mem {
         Mem::Stream(column) | Mem::Unchecked(column) => column.col,
         Mem::Local(_) => 0,
@@ -99,8 +108,8 @@ impl Emitter<'_> {
         index: NodeId,
         lanes: usize,
     ) -> Result<Place, String> {
-        if matches!(mem, Mem::Unchecked(_)) || self.is_inside(mem, index, lanes)? {
-            return self.place_inside(mem, index);
+        if let Some(place) = self.place_inside(mem, index, lanes)? {
+            return Ok(place);
         }
         if self.group.is_none() {
             let runs = self.group_of(block, mem);
@@ -119,7 +128,7 @@ impl Emitter<'_> {
     pub(super) fn load_parts(&mut self, place: Place, column: u32, scalar: Scalar, lanes: usize) -> Vec<Value> {
         let address = self.address(place, column);
         let one = |at: usize| {
-            let words = self.b.ins().load(part(scalar), unaligned(), address, at as i32 * 16);
+            let words = self.b.ins().load(part(scalar), unaligned(), address, place.offset + at as i32 * 16);
             vector::of_words(&mut self.b, scalar, words)
         };
         (0..lanes / LANES).map(one).collect()
@@ -150,8 +159,9 @@ impl Emitter<'_> {
         // write to them.
         let blend = !always && matches!(mem, Mem::Local(_));
         let whole = always || blend;
-        let place = if whole && self.is_inside(mem, index, lanes)? {
-            self.place_inside(mem, index)?
+        let inside = if whole { self.place_inside(mem, index, lanes)? } else { None };
+        let place = if let Some(place) = inside {
+            place
         } else {
             if self.group.is_none() {
                 let runs = self.group_of(block, mem);
@@ -164,7 +174,7 @@ impl Emitter<'_> {
         let address = self.address(place, number(mem));
         for (at, (value, mask)) in values.iter().zip(&masks).enumerate() {
             let mut words = vector::to_words(&mut self.b, scalar, *value);
-            let at = at as i32 * 16;
+            let at = place.offset + at as i32 * 16;
             if blend {
                 let old = self.b.ins().load(part(scalar), unaligned(), address, at);
                 words = self.unit.simd.select(&mut self.b, *mask, words, old);
@@ -177,19 +187,17 @@ impl Emitter<'_> {
         Ok(())
     }
 
-    /// Is it known that the whole run is in range?
-    fn is_inside(&mut self, mem: &Mem, index: NodeId, lanes: usize) -> Result<bool, String> {
-        let Mem::Local(x) = mem else { return Ok(false) };
-        let len = u64::from(self.local(*x)?.len());
-        let first = self.unit.program.as_lit(index).and_then(Lit::as_u32);
-        Ok(first.is_some_and(|first| u64::from(first) + lanes as u64 <= len))
-    }
-
-    fn place_inside(&mut self, mem: &Mem, index: NodeId) -> Result<Place, String> {
-        let (words, row) = (self.words(mem)?, self.scalar(index));
-        let address = words.row(&mut self.b, row).address;
-        // The one column of this place is its first.
-        Ok(Place { address, step: address, first: number(mem) })
+    /// The place of a run of which it is known that it is in range.
+    fn place_inside(&mut self, mem: &Mem, index: NodeId, lanes: usize) -> Result<Option<Place>, String> {
+        match mem {
+            Mem::Local(x) => Ok(self.elements(*x, index, lanes)?.map(Place::from)),
+            Mem::Unchecked(_) => {
+                let (words, row) = (self.words(mem)?, self.scalar(index));
+                let address = words.row(&mut self.b, row).address;
+                Ok(Some(Place { first: number(mem), ..memory::Place { address, offset: 0 }.into() }))
+            }
+            Mem::Stream(_) => Ok(None),
+        }
     }
 
     /// The address of a column's run.
@@ -357,7 +365,7 @@ impl Emitter<'_> {
             }
             Mem::Local(_) => address,
         };
-        Ok(Place { address, step, first: number(first) })
+        Ok(Place { address, offset: 0, step, first: number(first) })
     }
 
     /// Is the whole run in range?
@@ -372,7 +380,7 @@ impl Emitter<'_> {
     fn enter(&mut self, block: Block, first: u32) -> Place {
         let [address, step] = [(); 2].map(|()| self.b.append_block_param(block, POINTER));
         self.b.switch_to_block(block);
-        Place { address, step, first }
+        Place { address, offset: 0, step, first }
     }
 
     /// Room for the copies of a group: its address, and bytes from a column to the next. Each group has its own, because

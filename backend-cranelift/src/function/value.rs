@@ -122,7 +122,8 @@ impl Emitter<'_> {
             // A constant is made where it is used.
             return Vec::new();
         }
-        if let Some(x) = same(elems) {
+        let is_lane = |x: NodeId| matches!(self.unit.program.node(x), Node::Lane { .. });
+        if let Some(x) = same(elems).filter(|x| !is_lane(*x)) {
             let x = self.scalar(x);
             return self.splat(scalar, x, elems.len());
         }

@@ -193,10 +193,10 @@ impl Block {
         value
     }
 
-    fn store_to(&mut self, mem: Mem, index: U32, value: NodeId, loc: Loc) {
+    fn store_to(&mut self, mem: Mem, index: U32, value: NodeId, mask: NodeId, loc: Loc) {
         let (rest, ()) = Block::continuation("stored", Role::Rest, always(), loc);
         let next = with(|w| w.cont_value(rest));
-        self.leave(Body::Store { mem, index: index.node(), value, mask: NodeId::NONE, next }, loc);
+        self.leave(Body::Store { mem, index: index.node(), value, mask, next }, loc);
         *self = Block::new(rest);
     }
 
@@ -226,7 +226,7 @@ impl Block {
     #[track_caller]
     pub fn store<B: Buf, T: Elem>(&mut self, column: Col<B, T>, index: impl Into<U32>, value: impl Into<T>) {
         let nodes = value.into().nodes();
-        self.store_to(Mem::Stream(column.column()), index.into(), nodes[0], here());
+        self.store_to(Mem::Stream(column.column()), index.into(), nodes[0], NodeId::NONE, here());
     }
 
     /// A local array of `len` zeros.
@@ -255,7 +255,20 @@ impl Block {
     #[track_caller]
     pub fn set<T: Elem>(&mut self, array: Array<T>, index: impl Into<U32>, value: impl Into<T>) {
         let nodes = value.into().nodes();
-        self.store_to(Mem::Local(array.0), index.into(), nodes[0], here());
+        self.store_to(Mem::Local(array.0), index.into(), nodes[0], NodeId::NONE, here());
+    }
+
+    /// `N` elements of a local array from this one on; each index is clamped to the last one.
+    #[track_caller]
+    pub fn get_run<T: Elem, const N: usize>(&mut self, array: Array<T>, first: impl Into<U32>) -> Vector<T, N> {
+        self.load_from(Mem::Local(array.0), first.into(), here())
+    }
+
+    /// Set `N` elements of a local array from this one on; out of range it does nothing.
+    #[track_caller]
+    pub fn set_run<T: Elem, const N: usize>(&mut self, array: Array<T>, first: impl Into<U32>, value: Vector<T, N>) {
+        let (nodes, all) = (value.nodes(), Vector::<Bool, N>::splat(true).nodes());
+        self.store_to(Mem::Local(array.0), first.into(), nodes[0], all[0], here());
     }
 }
 
