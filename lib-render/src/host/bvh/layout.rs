@@ -13,6 +13,7 @@
 //! for coordinates. So a ray more often goes on with what lies next in memory, and a leaf lies beside its node: 20 % more
 //! bounce rays a second than with blocks in a table of their own.
 
+use super::pages::with_room;
 use super::tree::{Kind, NodeId, Tree};
 use super::{Bounds, MAX_LEAF, Triangle};
 use crate::schema::NONE;
@@ -74,7 +75,7 @@ pub(super) fn words(nodes: &[BvhNode], order: &[u32], bounds: &Bounds, triangles
             start
         })
         .collect();
-    let mut words = Vec::with_capacity(at);
+    let mut words = with_room(at);
     for corner in [bounds.lo, bounds.hi] {
         words.extend([0, 1, 2, 2].map(|k: usize| corner[k].to_bits()));
     }
