@@ -17,7 +17,7 @@
 //!
 //! A path adds the very numbers that the scalar device ([`super::cpu`]) adds, in its order, so both give the same bits.
 
-use jerboa_ir::lang::{Block, Bool, Exit, Fun, Keep, Row, Staged, U32, entry};
+use jerboa_ir::lang::{Block, Bool, Exit, Fun, Row, Staged, U32, entry};
 
 use crate::core::color::{Color, black};
 use crate::cutout::make_accept;
@@ -28,13 +28,12 @@ use crate::ray::{Hit, Ray};
 use crate::schema::{Geometries, Hits, NONE, Next, Order, Paths, Primitives, Shadows};
 use crate::shader::make_shader;
 use crate::tracer::{RayState, Tracer};
-use crate::traverse::{TraverseFn, make_traverse};
+use crate::traverse::turns::{self, Question};
 
 /// A device that takes many paths from vertex to vertex. The kernels that need no tracer are declared with it.
 pub fn make_stream_device() -> Device {
-    let traverse = make_traverse();
-    kernel("trace", |b, (lo, hi)| rows(b, lo, hi, |b, i| trace(b, traverse, i)));
-    kernel("shadow", |b, (lo, hi)| rows(b, lo, hi, |b, i| shadow(b, traverse, i)));
+    kernel("trace", trace);
+    kernel("shadow", shadow);
     Device { trace: shading }
 }
 
@@ -64,18 +63,6 @@ fn kernel<A: Staged>(name: &str, body: impl FnOnce(&mut Block, A)) {
     entry(name, Fun::<A, ()>::named(name, body));
 }
 
-/// Do something for each row of a range.
-fn rows(b: &mut Block, lo: U32, hi: U32, body: impl FnOnce(&mut Block, U32)) {
-    b.while_(
-        lo,
-        |_, i| i.lt(hi),
-        |b, i| {
-            body(b, i);
-            i + 1u32
-        },
-    );
-}
-
 /// What a path carries besides its ray: its state, its sum, its numbers of rays, closest and shadow, and its number.
 type Carried = (RayState, Color, U32, U32, U32);
 
@@ -88,12 +75,14 @@ fn generate(b: &mut Block, tracer: Tracer, i: U32, at: U32, number: U32) {
     b.store(Paths::ALIVE, i, true);
 }
 
-/// Find the nearest hit of path i, if it has a ray, and who shades it.
-fn trace(b: &mut Block, traverse: TraverseFn, i: U32) {
-    let alive: Bool = b.load(Paths::ALIVE, i);
-    b.when(alive, |b| {
+/// Find the nearest hit of each path of a range that has a ray, and who shades it.
+fn trace(b: &mut Block, range: (U32, U32)) {
+    let ask = |b: &mut Block, i: U32| {
+        let is_asked = b.load(Paths::ALIVE, i);
         let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, i);
-        let hit = traverse.call(b, (ray, Keep(false.into()), make_accept(state)));
+        Question { is_asked, ray, accept: make_accept(state) }
+    };
+    turns::trace(b, range, false, ask, |b, i, hit| {
         b.store_record(Hits::PRIMITIVE, i, hit);
         let class = b.if_(hit.is_hit(), |_| geometry(hit).get(Geometries::CLASS), |_| U32::from(NONE));
         b.store(Hits::CLASS, i, class);
@@ -154,17 +143,19 @@ fn miss(b: &mut Block, tracer: Tracer, i: U32) {
     b.store_record(Next::R, i, (sum + sky, closest + 1u32, shadow, number, Bool::from(false)));
 }
 
-/// Trace the shadow ray of row i, if there is one.
-fn shadow(b: &mut Block, traverse: TraverseFn, i: U32) {
-    let asked: Bool = b.load(Shadows::ASKED, i);
-    b.when(asked, |b| {
+/// Trace the shadow ray of each row of a range that has one.
+fn shadow(b: &mut Block, range: (U32, U32)) {
+    let ask = |b: &mut Block, i: U32| {
+        let is_asked = b.load(Shadows::ASKED, i);
         let path: U32 = b.load(Order::PATH, i);
-        let (ray, contribution): (Ray, Color) = b.load_record(Shadows::ORG_X, i);
         let state: RayState = b.load_record(Paths::RNG_START, path);
         // The way to the light is another edge of the path than the one that led here, so cut-outs decide anew.
         let edge = RayState { vertex: state.vertex + 1u32, ..state };
-        let blocked = traverse.call(b, (ray, Keep(true.into()), make_accept(edge))).is_hit();
+        Question { is_asked, ray: b.load_record(Shadows::ORG_X, i), accept: make_accept(edge) }
+    };
+    turns::trace(b, range, true, ask, |b, i, hit| {
+        let (_, contribution): (Ray, Color) = b.load_record(Shadows::ORG_X, i);
         let sum: Color = b.load_record(Next::R, i);
-        b.store_record(Next::R, i, sum + blocked.select(black(), contribution));
+        b.store_record(Next::R, i, sum + hit.is_hit().select(black(), contribution));
     });
 }

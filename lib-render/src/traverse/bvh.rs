@@ -78,25 +78,25 @@ pub fn scene_bounds() -> Bounds {
     Bounds { lo: vec3(word(0), word(1), word(2)), hi: vec3(word(4), word(5), word(6)) }
 }
 
-/// The part of a ray within each of four boxes, in units of its direction.
+/// The part of a ray within each of four boxes, up to a limit, in units of its direction.
 #[derive(Clone, Copy)]
 pub struct Span {
     /// No later than any hit in the box; at least 0.
     pub entry: F32x4,
-    /// No earlier than any hit in the box.
+    /// No earlier than any hit in the box up to the limit.
     pub exit: F32x4,
 }
 
 impl Span {
-    /// Is the box entered, no later than `limit`?
-    pub fn is_entered(self, limit: F32x4) -> Bool4 {
-        self.entry.le(self.exit.min(limit))
+    /// Is the box entered, no later than the limit?
+    pub fn is_entered(self) -> Bool4 {
+        self.entry.le(self.exit)
     }
 }
 
 /// Where the ray enters and leaves four boxes, given the planes on its side and those on the other. Monotone: a larger box
 /// is entered no later and left no earlier.
-pub fn span(line: Line, near: [F32x4; 3], far: [F32x4; 3]) -> Span {
+pub fn span(line: Line, near: [F32x4; 3], far: [F32x4; 3], limit: F32x4) -> Span {
     let times = |planes: [F32x4; 3], org: [F32x4; 3]| -> [F32x4; 3] {
         std::array::from_fn(|k| (planes[k] - org[k]) * line.inv[k])
     };
@@ -104,6 +104,6 @@ pub fn span(line: Line, near: [F32x4; 3], far: [F32x4; 3]) -> Span {
     // The accumulator comes second: NaN gives it.
     Span {
         entry: entry[2].max(entry[1].max(entry[0].max(F32x4::splat(0.0)))),
-        exit: exit[2].min(exit[1].min(exit[0].min(F32x4::splat(f32::INFINITY)))),
+        exit: exit[2].min(exit[1].min(exit[0].min(limit))),
     }
 }

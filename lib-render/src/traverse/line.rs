@@ -8,19 +8,18 @@
 //! of their distance from the origin of the ray. (Ize 2013 widens the exit by ulps, which measures errors by the distance
 //! of the box alone.) That length is one number per ray, so it is added to the origin and costs nothing per box.
 
-use jerboa_ir::lang::{Block, U32, Vector};
+use jerboa_ir::lang::{Block, Bool, F32, U32};
 
 use crate::core::vec::Vec3;
 use crate::ray::Ray;
 use crate::schema::Tree;
+use crate::traverse::memory::{Memory, float, word};
 use crate::traverse::{Bool4, F32x4};
 
 /// Growth of boxes, in parts of the farthest corner of the scene's box: 16 · 2^-24, twice the bound of the triangle test.
 const GROWTH: f32 = 1.0 / 1_048_576.0;
 /// And in parts of the origin's coordinate, so that the sum is never rounded back: 2^-23.
 const ULP: f32 = 1.0 / 8_388_608.0;
-/// The sign of a float.
-const SIGN: u32 = 1 << 31;
 
 /// A ray made ready. Arrays go by axis, in cyclic order.
 #[derive(Clone, Copy)]
@@ -46,29 +45,30 @@ pub struct Line {
 impl Line {
     /// Make a ray ready.
     pub fn new(b: &mut Block, ray: Ray) -> Line {
-        let d = ray.dir.abs();
-        let x_is_last = d.x.ge(d.y) & d.x.ge(d.z);
-        let y_is_last = !x_is_last & d.y.ge(d.z);
+        let (place, direction) = (lanes(ray.org), lanes(ray.dir));
+        let d = abs(direction);
+        let [x, y, z] = [0, 1, 2].map(|k| d.extract(k));
+        let x_is_last = x.ge(y) & x.ge(z);
+        let y_is_last = !x_is_last & y.ge(z);
         let cycle = |v: F32x4| {
             let by_y = Bool4::splat(y_is_last).select(v.shuffle([2, 0, 1, 1]), v);
             Bool4::splat(x_is_last).select(v.shuffle([1, 2, 0, 0]), by_y)
         };
-        let axis =
+        let distance =
             |x: u32, y: u32, z: u32| -> U32 { x_is_last.select(U32::from(x), y_is_last.select(y.into(), z.into())) };
-        let axes = [axis(1, 2, 0), axis(2, 0, 1), axis(0, 1, 2)];
+        let axis = [distance(4, 8, 0), distance(8, 0, 4), distance(0, 4, 8)];
 
         // How much boxes grow.
-        let place = lanes(ray.org);
         let [lo, hi] = [0, 4].map(|at| b.read_run::<_, U32, 4>(Tree::WORD, at).float_of_bits());
-        let reach = largest(abs(lo - place).max(abs(hi - place)));
-        let (org, dir) = (cycle(place), cycle(lanes(ray.dir)));
+        let reach = largest((place - lo).max(hi - place));
+        let (org, dir) = (cycle(place), cycle(direction));
         let growth = reach * F32x4::splat(GROWTH) + abs(org) * F32x4::splat(ULP);
         let inv = F32x4::splat(1.0) / dir;
         let forward = with_sign(growth, inv);
         let (org_entry, org_exit) = (org + forward, org - forward);
 
         let backward = inv.lt(F32x4::splat(0.0)).ballot();
-        let near = std::array::from_fn(|k| axes[k] * 8 + ((backward >> k as u32) & 1) * 4);
+        let near = std::array::from_fn(|k| axis[k] + axis[k] + ((backward << (2 - k as u32)) & 4));
         let [shear_x, shear_y, _] = each(dir / F32x4::splat(dir.extract(2)));
         let inv = each(inv);
         Line {
@@ -79,9 +79,49 @@ impl Line {
             shear: [shear_x, shear_y, inv[2]],
             near,
             far: near.map(|offset| offset ^ 4),
-            axis: axes.map(|axis| axis * 4),
+            axis,
         }
     }
+
+    /// Keep it in memory.
+    pub fn keep(self, b: &mut Block, memory: Memory) {
+        memory.set_vectors(b, float::ORG, &self.org);
+        memory.set_vectors(b, float::INV, &self.inv);
+        memory.set_vectors(b, float::ORG_ENTRY, &self.org_entry);
+        memory.set_vectors(b, float::ORG_EXIT, &self.org_exit);
+        memory.set_vectors(b, float::SHEAR, &self.shear[..2]);
+        for k in 0..3 {
+            memory.set_word(b, word::NEAR + k, self.near[k as usize]);
+            memory.set_word(b, word::AXIS + k, self.axis[k as usize]);
+        }
+    }
+
+    /// Have it from memory. What of it is not used is not loaded.
+    pub fn kept(b: &mut Block, memory: Memory) -> Line {
+        let inv = memory.vectors(b, float::INV);
+        let [x, y] = memory.vectors(b, float::SHEAR);
+        let near = [0, 1, 2].map(|k| memory.word(b, word::NEAR + k));
+        Line {
+            org: memory.vectors(b, float::ORG),
+            inv,
+            org_entry: memory.vectors(b, float::ORG_ENTRY),
+            org_exit: memory.vectors(b, float::ORG_EXIT),
+            shear: [x, y, inv[2]],
+            near,
+            far: near.map(|offset| offset ^ 4),
+            axis: [0, 1, 2].map(|k| memory.word(b, word::AXIS + k)),
+        }
+    }
+}
+
+/// Is the ray finite, and does it have a direction? Sums, since a comparison with NaN would drop it.
+pub fn is_usable(ray: Ray) -> Bool {
+    let sum = |v: Vec3| -> F32 {
+        let v = abs(lanes(v));
+        v.extract(0) + v.extract(1) + v.extract(2)
+    };
+    let (place, direction) = (sum(ray.org), sum(ray.dir));
+    place.lt(f32::INFINITY) & direction.gt(0.0) & direction.lt(f32::INFINITY)
 }
 
 /// The coordinates, the last one twice.
@@ -105,7 +145,8 @@ fn largest(v: F32x4) -> F32x4 {
     v.max(v.shuffle([1, 0, 3, 2]))
 }
 
-/// The first's absolute values with the second's signs.
+/// The first, which is not negative, with the second's signs; zeros count as positive.
 fn with_sign(v: F32x4, sign: F32x4) -> F32x4 {
-    ((v.bits() & Vector::splat(!SIGN)) | (sign.bits() & Vector::splat(SIGN))).float_of_bits()
+    let zero = F32x4::splat(0.0);
+    sign.lt(zero).select(zero - v, v)
 }

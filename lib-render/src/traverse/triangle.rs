@@ -93,6 +93,6 @@ fn own_box(line: Line, [p, q, r]: Corners) -> (F32x4, Bool4) {
     let is_backward = |k: usize| line.inv[k].lt(F32x4::splat(0.0));
     let near = each(&|k| is_backward(k).select(hi[k], lo[k]));
     let far = each(&|k| is_backward(k).select(lo[k], hi[k]));
-    let own = span(line, near, far);
-    (own.entry, own.entry.le(own.exit))
+    let own = span(line, near, far, F32x4::splat(f32::INFINITY));
+    (own.entry, own.is_entered())
 }

@@ -38,9 +38,9 @@ pub enum TriangleTest {
 pub fn make_traverse(boxes: BoxTest, triangles: TriangleTest) -> TraverseFn {
     let span = match boxes {
         BoxTest::Padded => span,
-        BoxTest::Plain => |line, near, far| Planes::via_origin(line, near, far).ordered(),
-        BoxTest::Unordered => |line, near, far| Planes::via_origin(line, near, far).unordered(),
-        BoxTest::Precomputed => |line, near, far| Planes::via_start(line, near, far).ordered(),
+        BoxTest::Plain => |line, near, far, limit| Planes::via_origin(line, near, far).ordered(limit),
+        BoxTest::Unordered => |line, near, far, limit| Planes::via_origin(line, near, far).unordered(limit),
+        BoxTest::Precomputed => |line, near, far, limit| Planes::via_start(line, near, far).ordered(limit),
     };
     let meet = match triangles {
         TriangleTest::Watertight => meet,
@@ -69,16 +69,16 @@ impl Planes {
         Planes { near: times(near), far: times(far) }
     }
 
-    fn ordered(self) -> Span {
+    fn ordered(self, limit: F32x4) -> Span {
         let Planes { near: [nx, ny, nz], far: [fx, fy, fz] } = self;
-        Span { entry: nz.max(ny.max(nx.max(zero()))), exit: fz.min(fy.min(fx.min(F32x4::splat(f32::INFINITY)))) }
+        Span { entry: nz.max(ny.max(nx.max(zero()))), exit: fz.min(fy.min(fx.min(limit))) }
     }
 
     /// As it is mostly written: the accumulator first, so that NaN stays.
-    fn unordered(self) -> Span {
+    fn unordered(self, limit: F32x4) -> Span {
         let [nx, ny, nz] = std::array::from_fn(|k| self.near[k].min(self.far[k]));
         let [fx, fy, fz] = std::array::from_fn(|k| self.near[k].max(self.far[k]));
-        Span { entry: zero().max(nx).max(ny).max(nz), exit: F32x4::splat(f32::INFINITY).min(fx).min(fy).min(fz) }
+        Span { entry: zero().max(nx).max(ny).max(nz), exit: limit.min(fx).min(fy).min(fz) }
     }
 }
 

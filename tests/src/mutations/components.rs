@@ -100,7 +100,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     // ---- rays
     Mutation {
         name: "ties-go-to-the-first-visited",
-        file: "lib-render/src/traverse/mod.rs",
+        file: "lib-render/src/traverse/walk.rs",
         before: "t.lt(limit) | (t.eq(limit) & primitives.lt(Vector::splat(best.primitive)))",
         after: "t.lt(limit)",
         mistake: "of two triangles at the same distance the one that the tree shows first wins",

@@ -1,15 +1,16 @@
 //! The traversal as kernels: rays of one stream, hits to another.
 
 use jerboa_backend_cranelift as clif;
-use jerboa_ir::lang::{Block, Bool, Fun, Keep, U32, build, declare, entry, spec};
+use jerboa_ir::lang::{Block, Bool, Fun, U32, build, declare, entry, spec};
 use jerboa_peval::{Arg, Generic, specialize};
 
 use crate::core::vec::vec3;
 use crate::host::error::Error;
 use crate::host::tables::Tables;
-use crate::ray::{Hit, Ray};
+use crate::ray::Ray;
 use crate::schema::{BUFFERS, NONE};
-use crate::traverse::{AcceptFn, make_traverse};
+use crate::traverse::AcceptFn;
+use crate::traverse::turns::{self, Question};
 
 jerboa_ir::stream! {
     /// Rays to trace: those of [`Ray`], which skip nothing.
@@ -45,22 +46,8 @@ jerboa_ir::stream! {
 pub(super) fn compile(tables: &Tables) -> Result<clif::Code, Error> {
     let program = build(|| {
         declare(&[BUFFERS, &[spec::<RayQueue>(), spec::<HitQueue>()]].concat());
-        let traverse = make_traverse();
-        for (name, any) in [("nearest", false), ("any", true)] {
-            entry(
-                name,
-                Fun::<U32, ()>::named(name, move |b, count| {
-                    let more = |_: &mut Block, i: U32| i.lt(count);
-                    b.while_(U32::from(0), more, |b, i| {
-                        let ray = load_ray(b, i);
-                        let all = AcceptFn::lam(|_, _| Bool::from(true));
-                        let hit: Hit = traverse.call(b, (ray, Keep(Bool::from(any)), all));
-                        b.store(HitQueue::PRIMITIVE, i, hit.primitive);
-                        b.store(HitQueue::T, i, hit.t);
-                        i + 1u32
-                    });
-                }),
-            );
+        for (name, any_hit) in [("nearest", false), ("any", true)] {
+            entry(name, Fun::<U32, ()>::named(name, move |b, count| trace(b, count, any_hit)));
         }
     });
     let generic = Generic::new(program);
@@ -70,6 +57,18 @@ pub(super) fn compile(tables: &Tables) -> Result<clif::Code, Error> {
     };
     let (nearest, any) = (residual("nearest")?, residual("any")?);
     clif::compile(&[&nearest.program, &any.program], &clif::Options::default()).map_err(|e| Error::new(e.to_string()))
+}
+
+fn trace(b: &mut Block, count: U32, any_hit: bool) {
+    let ask = |b: &mut Block, i: U32| Question {
+        is_asked: true.into(),
+        ray: load_ray(b, i),
+        accept: AcceptFn::lam(|_, _| Bool::from(true)),
+    };
+    turns::trace(b, (0.into(), count), any_hit, ask, |b, i, hit| {
+        b.store(HitQueue::PRIMITIVE, i, hit.primitive);
+        b.store(HitQueue::T, i, hit.t);
+    });
 }
 
 fn load_ray(b: &mut Block, i: U32) -> Ray {
