@@ -190,24 +190,39 @@ impl Thread<'_, '_> {
 
     /// The nearest hits of these paths.
     fn trace(&mut self, stage: Stage, rows: Range<u32>) -> Result<(), Error> {
-        let Some(native) = &self.tables.native else {
-            return self.dispatch(stage, TRACE, rows.len() as u32, &[rows.start, rows.end]);
-        };
+        let count = rows.len() as u32;
+        let native = self.tables.native.as_ref();
+        // Triangles with holes are in the kernels' tree.
+        let begun = native.is_none_or(|native| !native.is_all());
+        if begun {
+            self.dispatch(stage, TRACE, count, &[rows.start, rows.end])?;
+        }
+        let Some(native) = native else { return Ok(()) };
         let Streams { paths, hits, walkers, .. } = &mut self.streams;
         let walkers = walkers.get_or_insert_default();
         let tables = self.tables;
-        self.clock.stage(stage, rows.len() as u32, || streams::trace(native, walkers, tables, rows, paths, hits));
+        let rays = if begun { 0 } else { count };
+        self.clock.stage(stage, rays, || streams::trace(native, walkers, tables, rows, begun, paths, hits));
         Ok(())
     }
 
     /// The light of these rows that nothing blocks.
     fn shadow(&mut self, rows: Range<u32>) -> Result<(), Error> {
+        let count = rows.len() as u32;
+        let args = [rows.start, rows.end];
         let Some(native) = &self.tables.native else {
-            return self.dispatch(Stage::Shadow, SHADOW, rows.len() as u32, &[rows.start, rows.end]);
+            return self.dispatch(Stage::Shadow, SHADOW, count, &args);
         };
+        let goes_on = !native.is_all();
         let Streams { shadows, next, walkers, .. } = &mut self.streams;
         let walkers = walkers.get_or_insert_default();
-        self.clock.stage(Stage::Shadow, rows.len() as u32, || streams::shadow(native, walkers, rows, shadows, next));
+        let rays = if goes_on { 0 } else { count };
+        self.clock.stage(Stage::Shadow, rays, || {
+            streams::shadow(native, walkers, rows, goes_on, shadows, next);
+        });
+        if goes_on {
+            self.dispatch(Stage::Shadow, SHADOW, count, &args)?;
+        }
         Ok(())
     }
 

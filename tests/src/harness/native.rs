@@ -1,6 +1,6 @@
 //! The native walk, asked what rays hit.
 
-use jerboa_lib_render::host::bvh::Triangle;
+use jerboa_lib_render::host::bvh::{Bounds, Triangle};
 use jerboa_lib_render::host::native::{Hit, Native, Ray, Rays, Walkers};
 use jerboa_lib_render::schema::NONE;
 
@@ -15,7 +15,7 @@ pub fn hits(triangles: &[Triangle], any_hit: bool, rays: &[Words]) -> Option<Vec
     }
     // What nobody hands in is no hit that any test expects.
     let mut asked = Asked { rays, next: 0, hits: vec![[NONE - 1; 4]; rays.len()], handed_in: 0 };
-    Native::new(triangles).0.trace(&mut Walkers::default(), any_hit, &mut asked);
+    Native::new(triangles, Bounds::EMPTY).0.trace(&mut Walkers::default(), any_hit, &mut asked);
     assert_eq!(asked.handed_in, rays.len(), "each ray has one hit");
     Some(asked.hits)
 }
@@ -28,7 +28,7 @@ struct Asked<'a> {
 }
 
 impl Rays for Asked<'_> {
-    fn next(&mut self) -> Option<(u32, Ray)> {
+    fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let words = self.rays.get(self.next)?;
         let float = |k: usize| f32::from_bits(words[k]);
         self.next += 1;
@@ -38,7 +38,7 @@ impl Rays for Asked<'_> {
             tmax: float(6),
             skip: [words[7], words[8], words[9]],
         };
-        Some((self.next as u32 - 1, ray))
+        Some((self.next as u32 - 1, ray, Hit::miss(ray.tmax)))
     }
 
     fn done(&mut self, number: u32, hit: Hit) {

@@ -4,15 +4,15 @@
 //! predict, and what it needs is often in no near cache; so one ray after the other leaves a processor idle for most of the
 //! time. Here many rays are on their way at once, and each waits in the list of what it does next ([`avx512`]): nodes, leaves,
 //! hits. A list is worked off in a loop without branches that depend on the ray, each turn independent of the last one, and
-//! what a ray needs next is asked of the memory when it enters the list. Nodes have eight children and leaves eight triangles
-//! ([`tree`]), tested at once.
+//! what a ray needs next is asked of the memory when it enters the list. Nodes have eight children and leaves eight triangles,
+//! tested at once.
 //!
 //! *The hit is that of [`crate::traverse`], to the bit*: a hit is a function of the ray and the triangles, not of the tree or of
 //! the order of visits, as long as triangles and boxes are tested by the same formulas. They are the same, operation by
 //! operation: nothing is contracted, and minimum and maximum give the second operand if either is NaN.
 //!
-//! It is there where the processor has what it takes, and for scenes without cut-outs, whose test is a kernel's; other
-//! scenes are traced by kernels. A scene has one tree in memory, that of whoever walks it.
+//! It is there where the processor has what it takes. Whether a hit on a cut-out counts is for a kernel to say, so triangles
+//! that may have holes are in the kernels' tree, the others in this one; the better of two hits is the hit on all.
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
@@ -20,10 +20,10 @@ mod avx512;
 #[path = "none.rs"]
 mod avx512;
 pub(super) mod streams;
-mod tree;
 
 use super::bvh::{Bounds, Dropped, Triangle};
-use tree::WideTree;
+use crate::schema::NONE;
+use avx512::WideTree;
 
 pub use avx512::Walkers;
 
@@ -40,15 +40,6 @@ pub struct Ray {
     pub skip: [u32; 3],
 }
 
-impl Ray {
-    /// Finite, and with a direction; as in [`crate::traverse`].
-    fn is_usable(&self) -> bool {
-        let sum = |v: [f32; 3]| v[0].abs() + v[1].abs() + v[2].abs();
-        let (place, direction) = (sum(self.org), sum(self.dir));
-        place < f32::INFINITY && direction > 0.0 && direction < f32::INFINITY
-    }
-}
-
 /// What it hits, as [`crate::ray::Hit`].
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Hit {
@@ -62,10 +53,17 @@ pub struct Hit {
     pub v: f32,
 }
 
+impl Hit {
+    /// Nothing hit within `tmax`.
+    pub fn miss(tmax: f32) -> Hit {
+        Hit { primitive: NONE, t: tmax, u: 0.0, v: 0.0 }
+    }
+}
+
 /// Rays to trace, and where hits go.
 pub trait Rays {
-    /// The next ray and its number.
-    fn next(&mut self) -> Option<(u32, Ray)>;
+    /// The number of the next ray, the ray, and the best hit so far.
+    fn next(&mut self) -> Option<(u32, Ray, Hit)>;
     /// What the ray of this number hits.
     fn done(&mut self, number: u32, hit: Hit);
 }
@@ -73,6 +71,7 @@ pub trait Rays {
 /// The tree of a scene's triangles for the native walk.
 pub struct Native {
     tree: WideTree,
+    is_all: bool,
 }
 
 impl Native {
@@ -81,13 +80,19 @@ impl Native {
         avx512::is_there()
     }
 
-    /// The tree over triangles, and which of them are not in it.
-    pub fn new(triangles: &[Triangle]) -> (Native, Dropped) {
-        let (tree, dropped) = WideTree::new(triangles);
-        (Native { tree }, dropped)
+    /// The tree over triangles, and which of them are not in it. The rest of the scene lies in a box, [`Bounds::EMPTY`] if this
+    /// is all.
+    pub fn new(triangles: &[Triangle], others: Bounds) -> (Native, Dropped) {
+        let (tree, dropped) = WideTree::new(triangles, others);
+        (Native { tree, is_all: others == Bounds::EMPTY }, dropped)
     }
 
-    /// The box of all triangles.
+    /// Are all triangles of the scene in the tree?
+    pub fn is_all(&self) -> bool {
+        self.is_all
+    }
+
+    /// The box of the scene.
     pub fn bounds(&self) -> Bounds {
         self.tree.bounds
     }

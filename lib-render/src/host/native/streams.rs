@@ -9,29 +9,32 @@ use crate::host::tables::Tables;
 use crate::host::wave::Stream;
 use crate::schema::{Geometries, Hits, NONE, Next, Paths, Primitives, Shadows, binding};
 
-/// Finds the nearest hits of paths, and who shades them.
+/// Finds the nearest hits of paths, and who shades them. `begun`: the kernel has found those on cut-outs before.
 pub(in crate::host) fn trace(
     native: &Native,
     walkers: &mut Walkers,
     tables: &Tables,
     rows: Range<u32>,
+    begun: bool,
     paths: &Stream,
     hits: &mut Stream,
 ) {
     let words = |binding: usize| &tables.memory[binding].words[..];
     let (primitives, geometries) = (words(binding::<Primitives>()), words(binding::<Geometries>()));
-    native.trace(walkers, false, &mut Trace { rows, paths, hits, primitives, geometries });
+    native.trace(walkers, false, &mut Trace { rows, begun, paths, hits, primitives, geometries });
 }
 
-/// Adds the light of shadow rays that no triangle blocks.
+/// Adds the light of shadow rays that no triangle blocks. `goes_on`: of those that are not blocked it leaves the light to the
+/// kernel, which asks cut-outs.
 pub(in crate::host) fn shadow(
     native: &Native,
     walkers: &mut Walkers,
     rows: Range<u32>,
-    shadows: &Stream,
+    goes_on: bool,
+    shadows: &mut Stream,
     next: &mut Stream,
 ) {
-    native.trace(walkers, true, &mut Shadow { rows, shadows, next });
+    native.trace(walkers, true, &mut Shadow { rows, goes_on, shadows, next });
 }
 
 /// The record `Ray` of a row, which begins with it.
@@ -50,6 +53,7 @@ fn ray(row: &[u32]) -> Ray {
 
 struct Trace<'a> {
     rows: Range<u32>,
+    begun: bool,
     paths: &'a Stream,
     hits: &'a mut Stream,
     primitives: &'a [u32],
@@ -67,9 +71,20 @@ impl Trace<'_> {
 
 impl Rays for Trace<'_> {
     #[inline]
-    fn next(&mut self) -> Option<(u32, Ray)> {
+    fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let row = self.rows.find(|row| self.paths.row(*row as usize)[Paths::ALIVE.0 as usize] != 0)?;
-        Some((row, ray(self.paths.row(row as usize))))
+        let ray = ray(self.paths.row(row as usize));
+        let before = || {
+            let row = self.hits.row(row as usize);
+            let float = |column: u32| f32::from_bits(row[column as usize]);
+            Hit {
+                primitive: row[Hits::PRIMITIVE.0 as usize],
+                t: float(Hits::T.0),
+                u: float(Hits::U.0),
+                v: float(Hits::V.0),
+            }
+        };
+        Some((row, ray, if self.begun { before() } else { Hit::miss(ray.tmax) }))
     }
 
     #[inline]
@@ -89,25 +104,31 @@ impl Rays for Trace<'_> {
 
 struct Shadow<'a> {
     rows: Range<u32>,
-    shadows: &'a Stream,
+    goes_on: bool,
+    shadows: &'a mut Stream,
     next: &'a mut Stream,
 }
 
 impl Rays for Shadow<'_> {
     #[inline]
-    fn next(&mut self) -> Option<(u32, Ray)> {
+    fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let row = self.rows.find(|row| self.shadows.row(*row as usize)[Shadows::ASKED.0 as usize] != 0)?;
-        Some((row, ray(self.shadows.row(row as usize))))
+        let ray = ray(self.shadows.row(row as usize));
+        Some((row, ray, Hit::miss(ray.tmax)))
     }
 
     #[inline]
     fn done(&mut self, row: u32, hit: Hit) {
-        let columns = [(Next::R, Shadows::R), (Next::G, Shadows::G), (Next::B, Shadows::B)];
-        let (shadow, next) = (self.shadows.row(row as usize), self.next.row_mut(row as usize));
-        for (sum, light) in columns {
+        let (shadow, next) = (self.shadows.row_mut(row as usize), self.next.row_mut(row as usize));
+        let is_free = hit.primitive == NONE;
+        if is_free && self.goes_on {
+            return;
+        }
+        shadow[Shadows::ASKED.0 as usize] = 0;
+        for (sum, light) in [(Next::R, Shadows::R), (Next::G, Shadows::G), (Next::B, Shadows::B)] {
             let (sum, light) = (&mut next[sum.0 as usize], f32::from_bits(shadow[light.0 as usize]));
             // Black is added too, as the kernel does: it makes −0 a 0.
-            *sum = (f32::from_bits(*sum) + if hit.primitive == NONE { light } else { 0.0 }).to_bits();
+            *sum = (f32::from_bits(*sum) + if is_free { light } else { 0.0 }).to_bits();
         }
     }
 }

@@ -182,10 +182,20 @@ impl RayBench {
 
     /// Answers the rays of a chunk.
     fn trace(&self, set: Set, chunk: &mut Chunk) -> Result<(), Error> {
-        if let Some(native) = &self.tables.native {
-            native.trace(&mut Walkers::default(), set == Set::Shadow, &mut Asked { chunk, next: 0 });
-            return Ok(());
+        let native = self.tables.native.as_ref();
+        // Triangles with holes are in the kernels' tree.
+        let begun = native.is_none_or(|native| !native.is_all());
+        if begun {
+            self.trace_by_kernel(set, chunk)?;
         }
+        if let Some(native) = native {
+            native.trace(&mut Walkers::default(), set == Set::Shadow, &mut Asked { chunk, begun, next: 0 });
+        }
+        Ok(())
+    }
+
+    /// Answers the rays of a chunk, among the triangles in the kernels' tree.
+    fn trace_by_kernel(&self, set: Set, chunk: &mut Chunk) -> Result<(), Error> {
         let mut bindings = tables_bound(&self.tables);
         bindings.push(Binding::new(&mut chunk.rays, chunk.count));
         bindings.push(Binding::new(&mut chunk.found, chunk.count));
@@ -281,12 +291,14 @@ impl Chunk {
 /// A chunk whose rays are walked natively.
 struct Asked<'a> {
     chunk: &'a mut Chunk,
+    /// Has the kernel found hits before?
+    begun: bool,
     next: u32,
 }
 
 impl Rays for Asked<'_> {
     #[inline]
-    fn next(&mut self) -> Option<(u32, Ray)> {
+    fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let (i, count) = (self.next, self.chunk.count);
         let word = |column: u32| f32::from_bits(self.chunk.rays[(column * count + i) as usize]);
         self.next += 1;
@@ -296,7 +308,9 @@ impl Rays for Asked<'_> {
             tmax: word(6),
             skip: [NONE; 3],
         };
-        (i < count).then(|| (i, ray()))
+        let found = |column: u32| self.chunk.found[(column * count + i) as usize];
+        let before = || Hit { primitive: found(0), ..Hit::miss(f32::from_bits(found(1))) };
+        (i < count).then(|| (i, ray(), if self.begun { before() } else { Hit::miss(word(6)) }))
     }
 
     #[inline]

@@ -64,7 +64,7 @@ pub struct Tables {
     pub memory: Vec<Arc<Memory>>,
     /// What is known of it.
     pub facts: Facts,
-    /// The tree of the native walk, where that traces the scene; that of kernels is empty then.
+    /// The tree of the native walk, if there is one; that of kernels has triangles that may have holes only then.
     pub native: Option<Arc<Native>>,
     /// Subtracted from world positions; see [`geometry::origin`].
     pub origin: DVec3,
@@ -76,6 +76,8 @@ pub struct Tables {
     radius: f32,
     /// Who was asked for to walk the tree.
     traversal: Traversal,
+    /// Has a surface of each material holes? Or had, when the trees were built.
+    cutouts: Vec<bool>,
     /// Images whose texels are laid out, in their order.
     images: Vec<usize>,
     /// Primitives that are lights, and which.
@@ -106,7 +108,8 @@ impl Tables {
         let origin = geometry::origin(scene);
         let triangles = geometry::triangles(scene, origin);
         let start = Instant::now();
-        let SceneTree { words, native, bounds, dropped } = SceneTree::new(scene, &triangles, traversal);
+        let cutouts = tree::cutouts(scene);
+        let SceneTree { words, native, bounds, dropped } = SceneTree::new(scene, &triangles, &cutouts, traversal);
         let bvh_time = start.elapsed();
         put(binding::<Tree>(), words);
         drop(triangles);
@@ -148,7 +151,7 @@ impl Tables {
 
         let facts = classes::classify(&mut memory, known, &Facts::none());
         let marks = lights.marks;
-        Tables { memory, facts, native, origin, dropped, bvh_time, radius, traversal, images, marks }
+        Tables { memory, facts, native, origin, dropped, bvh_time, radius, traversal, cutouts, images, marks }
     }
 
     /// The same scene after a change of materials, textures or lights. What has not changed is shared.
@@ -162,10 +165,13 @@ impl Tables {
         }
         new.images = textures.images().to_vec();
         put(binding::<Textures>(), textures.finish());
-        if tree::is_native(scene, self.traversal) != self.native.is_some() {
-            let tree = SceneTree::new(scene, &geometry::triangles(scene, self.origin), self.traversal);
+        // A triangle without holes may stay where kernels walk, but not the other way round.
+        let cutouts = tree::cutouts(scene);
+        if self.native.is_some() && cutouts.iter().zip(&self.cutouts).any(|(now, before)| *now && !*before) {
+            let triangles = geometry::triangles(scene, self.origin);
+            let tree = SceneTree::new(scene, &triangles, &cutouts, self.traversal);
             put(binding::<Tree>(), tree.words);
-            new.native = tree.native;
+            (new.native, new.cutouts) = (tree.native, cutouts);
         }
         let mut count = self.memory[binding::<Settings>()].words[Settings::LIGHT_COUNT.0 as usize];
         if change.lights {
@@ -193,11 +199,6 @@ fn radius(bounds: &Bounds) -> f32 {
     if *bounds == Bounds::EMPTY { 0.0 } else { ((hi - lo).length() / 2.0) as f32 }
 }
 
-/// Has a surface holes?
-fn has_cutouts(scene: &Scene) -> bool {
-    scene.materials.iter().any(|m| m.alpha_mode != jerboa_scenes::AlphaMode::Opaque)
-}
-
 fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
     use Settings as S;
     let mut table = Table::<S>::new();
@@ -214,7 +215,7 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
         .set(S::LIGHT_COUNT, lights)
-        .set(S::HAS_CUTOUTS, has_cutouts(scene))
+        .set(S::HAS_CUTOUTS, tree::cutouts(scene).contains(&true))
         .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs));
     table.finish()
 }

@@ -1,43 +1,67 @@
-//! The tree over the triangles of a scene, for whoever walks it: one only is in memory.
+//! The tree over the triangles of a scene, for whoever walks it: each triangle is in one tree only.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use jerboa_scenes::Scene;
+use jerboa_scenes::{AlphaMode, Scene};
 
 use super::memory::Memory;
 use crate::host::bvh::{Bounds, Bvh, Dropped, Triangle};
 use crate::host::device::Traversal;
 use crate::host::native::Native;
 
-/// The tree.
+/// The trees of a scene.
 pub(super) struct SceneTree {
-    /// For kernels; where they do not walk it, the scene's box and an empty tree.
+    /// For kernels. Where the native walk is there, of triangles that may have holes only.
     pub words: Memory,
-    /// For the native walk.
+    /// For the native walk, of the others.
     pub native: Option<Arc<Native>>,
     /// Around all triangles.
     pub bounds: Bounds,
-    /// Triangles that are not in it.
+    /// Triangles that are in none.
     pub dropped: Dropped,
 }
 
-/// Does the native walk trace a scene? It must be asked for and there, and it knows no cut-outs.
-pub(super) fn is_native(scene: &Scene, traversal: Traversal) -> bool {
-    traversal == Traversal::Native && Native::is_there() && !super::has_cutouts(scene)
+/// Has a surface of each material holes?
+pub(super) fn cutouts(scene: &Scene) -> Vec<bool> {
+    scene.materials.iter().map(|material| material.alpha_mode != AlphaMode::Opaque).collect()
 }
 
+/// No triangle: a tree drops it, and the others keep their numbers.
+const NOWHERE: Triangle = [[f32::NAN; 3]; 3];
+
 impl SceneTree {
-    /// The tree over the triangles of a scene.
-    pub fn new(scene: &Scene, triangles: &[Triangle], traversal: Traversal) -> SceneTree {
-        let (bvh, native, of) = if is_native(scene, traversal) {
-            let (native, dropped) = Native::new(triangles);
-            let empty = Bvh { bounds: native.bounds(), dropped, ..Bvh::build(&[]) };
-            (empty, Some(Arc::new(native)), &[][..])
+    /// The trees over the triangles of a scene, where surfaces of these materials have holes.
+    pub fn new(scene: &Scene, triangles: &[Triangle], cutouts: &[bool], traversal: Traversal) -> SceneTree {
+        if traversal == Traversal::Ir || !Native::is_there() {
+            let bvh = Bvh::build(triangles);
+            return SceneTree::of(&bvh, triangles, None, bvh.dropped);
+        }
+        let (with_holes, whole) = if cutouts.contains(&true) {
+            let meshes = || scene.instances.iter().map(|instance| &scene.meshes[instance.mesh]);
+            let have_holes = || meshes().flat_map(|mesh| mesh.triangles.iter().map(|_| cutouts[mesh.material]));
+            let part = |holes: bool| -> Vec<Triangle> {
+                let of = triangles.iter().zip(have_holes());
+                of.map(|(t, has_holes)| if has_holes == holes { *t } else { NOWHERE }).collect()
+            };
+            (part(true), Cow::from(part(false)))
         } else {
-            (Bvh::build(triangles), None, triangles)
+            (Vec::new(), Cow::from(triangles))
         };
-        let words = bvh.words(of);
+        let bvh = Bvh::build(&with_holes);
+        let (native, of_whole) = Native::new(&whole, bvh.bounds);
+        let nowhere = with_holes.len() + whole.len() - triangles.len();
+        let dropped = Dropped {
+            non_finite: bvh.dropped.non_finite + of_whole.non_finite - nowhere,
+            zero_area: bvh.dropped.zero_area + of_whole.zero_area,
+        };
+        let bvh = Bvh { bounds: native.bounds(), ..bvh };
+        SceneTree::of(&bvh, &with_holes, Some(Arc::new(native)), dropped)
+    }
+
+    fn of(bvh: &Bvh, triangles: &[Triangle], native: Option<Arc<Native>>, dropped: Dropped) -> SceneTree {
+        let words = bvh.words(triangles);
         let words = Memory { rows: words.len() as u32, words };
-        SceneTree { words, native, bounds: bvh.bounds, dropped: bvh.dropped }
+        SceneTree { words, native, bounds: bvh.bounds, dropped }
     }
 }

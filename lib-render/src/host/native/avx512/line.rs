@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::super::Ray;
-use super::super::tree::{Node, row};
+use super::tree::{Node, row};
 use super::vector::{each, floats, four_floats, four_words};
 use crate::host::bvh::Bounds;
 

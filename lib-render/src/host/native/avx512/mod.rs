@@ -1,16 +1,17 @@
 //! The walk by AVX-512: many rays on their way, each in the list of what it does next.
 
 mod line;
+mod tree;
 mod triangle;
 mod vector;
 mod walker;
 
-use super::tree::WideTree;
-use super::{Hit, Rays};
+use super::{Ray, Rays};
 use crate::schema::NONE;
 use vector::prefetch;
 use walker::{Lists, Next};
 
+pub(super) use tree::WideTree;
 pub use walker::Walkers;
 
 /// Does this processor have the instructions?
@@ -27,6 +28,14 @@ pub(super) fn trace(tree: &WideTree, walkers: &mut Walkers, any_hit: bool, rays:
     let walk = Walk { tree, walkers, lists: Lists::new(), rays };
     // SAFETY: the instructions are there.
     unsafe { if any_hit { walk.run::<true>() } else { walk.run::<false>() } }
+}
+
+/// Finite, and with a direction; as in [`crate::traverse`].
+#[inline]
+fn is_usable(ray: &Ray) -> bool {
+    let sum = |v: [f32; 3]| v[0].abs() + v[1].abs() + v[2].abs();
+    let (place, direction) = (sum(ray.org), sum(ray.dir));
+    place < f32::INFINITY && direction > 0.0 && direction < f32::INFINITY
 }
 
 /// Rays on their way.
@@ -59,13 +68,13 @@ impl<R: Rays> Walk<'_, R> {
             if let Some(number) = walker.number.take() {
                 self.rays.done(number, walker.best);
             }
-            while let Some((number, ray)) = self.rays.next() {
-                if ray.is_usable() {
-                    walker.start(number, &ray, &self.tree.bounds);
+            while let Some((number, ray, best)) = self.rays.next() {
+                if is_usable(&ray) {
+                    walker.start(number, &ray, best, &self.tree.bounds);
                     self.lists.wait(id, Next::Node);
                     break;
                 }
-                self.rays.done(number, Hit { primitive: NONE, t: ray.tmax, u: 0.0, v: 0.0 });
+                self.rays.done(number, best);
             }
         }
     }

@@ -3,8 +3,8 @@
 use std::arch::x86_64::*;
 
 use super::super::Hit;
-use super::super::tree::{Leaf, PRIMITIVES, row};
 use super::line::Line;
+use super::tree::{Leaf, PRIMITIVES, row};
 use super::vector::{each, floats, lanes, words};
 
 /// Corners as the ray sees them that goes along the z axis, z not yet scaled, and their edge functions.

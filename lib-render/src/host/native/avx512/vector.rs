@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::super::tree::{Leaf, Line, WideTree};
+use super::tree::{Leaf, Line, WideTree};
 
 /// Three values, by index.
 macro_rules! each {

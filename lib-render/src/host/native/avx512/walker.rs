@@ -2,9 +2,9 @@
 
 use std::arch::x86_64::*;
 
-use super::super::tree::{CHILDREN, LEAF, MAX_WAITING, NOTHING, Node, ROOT, WIDTH, row};
 use super::super::{Hit, Ray};
 use super::line::Line;
+use super::tree::{CHILDREN, LEAF, MAX_WAITING, NOTHING, Node, ROOT, WIDTH, row};
 use super::vector::{descending, put, words};
 use crate::host::bvh::Bounds;
 use crate::schema::NONE;
@@ -77,9 +77,9 @@ impl Walker {
     /// Sends it to the root with a ray.
     #[inline]
     #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-    pub fn start(&mut self, number: u32, ray: &Ray, scene: &Bounds) {
+    pub fn start(&mut self, number: u32, ray: &Ray, best: Hit, scene: &Bounds) {
         self.line = Line::new(scene, ray);
-        self.best = Hit { primitive: NONE, t: ray.tmax, u: 0.0, v: 0.0 };
+        self.best = best;
         self.number = Some(number);
         self.tmax = ray.tmax;
         self.skip = ray.skip;

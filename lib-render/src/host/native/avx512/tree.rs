@@ -43,38 +43,38 @@ pub(super) const NOTHING: u32 = LEAF;
 pub(super) const ROOT: u32 = 5;
 
 /// The tree. A reference to a child says at which line it begins; that of a leaf has [`LEAF`].
-pub(super) struct WideTree {
+pub(in crate::host::native) struct WideTree {
     /// The leaf without triangles; then depth first a node, its leaves, the nodes below it, the larger first.
     lines: Vec<Line>,
-    /// Around all triangles.
+    /// Around all triangles of the scene.
     pub bounds: Bounds,
     /// Children that wait at most while a walk is anywhere in the tree; at most [`MAX_WAITING`].
     waiting: usize,
 }
 
 impl WideTree {
-    /// The tree over triangles, and which of them are not in it.
-    pub fn new(triangles: &[Triangle]) -> (WideTree, Dropped) {
+    /// The tree over triangles, and which of them are not in it. The rest of the scene lies in a box.
+    pub fn new(triangles: &[Triangle], others: Bounds) -> (WideTree, Dropped) {
         let usable = usable(triangles);
-        let lay_out = |tree: &Tree| Writer::write(tree, &usable.numbers, triangles);
+        let lay_out = |tree: &Tree| Writer::write(tree, &usable.numbers, triangles, others);
         (first_that_fits(&usable.bounds, lay_out, |tree| tree.waiting <= MAX_WAITING), usable.dropped)
     }
 
     /// The node of a reference.
     #[inline]
-    pub fn node(&self, reference: u32) -> &Node {
+    pub(super) fn node(&self, reference: u32) -> &Node {
         self.lines[reference as usize..].first_chunk().expect("references lead to nodes")
     }
 
     /// The leaf of a reference.
     #[inline]
-    pub fn leaf(&self, reference: u32) -> &Leaf {
+    pub(super) fn leaf(&self, reference: u32) -> &Leaf {
         self.lines[(reference & !LEAF) as usize..].first_chunk().expect("references lead to leaves")
     }
 
     /// Where a child is in memory.
     #[inline]
-    pub fn address(&self, reference: u32) -> *const Line {
+    pub(super) fn address(&self, reference: u32) -> *const Line {
         self.lines.as_ptr().wrapping_add((reference & !LEAF) as usize)
     }
 }
@@ -90,8 +90,8 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn write(tree: &Tree, numbers: &[u32], triangles: &[Triangle]) -> WideTree {
-        let out = WideTree { lines: Vec::new(), bounds: tree.bounds(), waiting: 0 };
+    fn write(tree: &Tree, numbers: &[u32], triangles: &[Triangle], others: Bounds) -> WideTree {
+        let out = WideTree { lines: Vec::new(), bounds: tree.bounds().union(&others), waiting: 0 };
         let mut writer = Writer { tree, counts: tree.counts(), numbers, triangles, out };
         writer.leaf(&[]);
         writer.node(tree.root(), 0);
