@@ -71,7 +71,7 @@ pub(crate) fn emit(
         first: FxHashMap::default(),
         made: Vec::new(),
         literals: FxHashMap::default(),
-        constants: FxHashMap::default(),
+        constants: pack::Constants::default(),
         area: None,
         scratch: [None; 2],
         group: None,
@@ -124,7 +124,7 @@ struct Emitter<'a> {
     /// Literals of the block at hand.
     literals: FxHashMap<Lit, Value>,
     /// Parts of literals only, of the block at hand.
-    constants: FxHashMap<(Type, [u32; LANES]), Value>,
+    constants: pack::Constants,
     /// Room for the results of any call that needs it; they are loaded right after the call.
     area: Option<StackSlot>,
     /// Room for the words of a vector that go to or come from memory one by one.

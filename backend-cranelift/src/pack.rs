@@ -4,6 +4,7 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{ConstantData, Immediate, InstBuilder, MemFlagsData, Type, Value, types};
 use cranelift_frontend::FunctionBuilder;
 use jerboa_ir::Scalar;
+use rustc_hash::FxHashMap;
 
 use crate::abi::{LANES, part};
 use crate::memory::Place;
@@ -76,6 +77,22 @@ pub(crate) fn constant(b: &mut FunctionBuilder, ty: Type, words: [u32; LANES]) -
     let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
     let constant = b.func.dfg.constants.insert(ConstantData::from(bytes));
     b.ins().vconst(ty, constant)
+}
+
+/// Constants that several parts share.
+#[derive(Default)]
+pub(crate) struct Constants(FxHashMap<(Type, [u32; LANES]), Value>);
+
+impl Constants {
+    /// A part of this type with these words.
+    pub fn get(&mut self, b: &mut FunctionBuilder, ty: Type, words: [u32; LANES]) -> Value {
+        *self.0.entry((ty, words)).or_insert_with(|| constant(b, ty, words))
+    }
+
+    /// They are made anew from here on.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
 }
 
 /// A part whose lanes are those of `x` and, from [`LANES`] on, of `y`.

@@ -9,12 +9,19 @@ use cranelift_frontend::FunctionBuilder;
 use jerboa_ir::{NAN_BITS, Op, Scalar};
 
 use crate::abi::LANES;
-use crate::pack::{cast, constant};
+use crate::pack::{Constants, cast, constant};
 use crate::simd::{MASK, Simd};
 
 /// Code of one operation on a part; none where the machine has no vector instruction and it goes lane by lane. `scalar` is
-/// the T of the operation's rule.
-pub(crate) fn part(b: &mut FunctionBuilder, simd: Simd, op: Op, scalar: Scalar, args: &[Value]) -> Option<Value> {
+/// the T of the operation's rule. All parts of an operation share its constants.
+pub(crate) fn part(
+    b: &mut FunctionBuilder,
+    simd: Simd,
+    constants: &mut Constants,
+    op: Op,
+    scalar: Scalar,
+    args: &[Value],
+) -> Option<Value> {
     let float = scalar == Scalar::F32;
     let (x, y) = (args[0], args[args.len().min(2) - 1]);
     Some(match op {
@@ -29,19 +36,19 @@ pub(crate) fn part(b: &mut FunctionBuilder, simd: Simd, op: Op, scalar: Scalar, 
         Op::Min => simd.min(b, scalar, x, y),
         Op::Max => simd.max(b, scalar, x, y),
         Op::Neg if float => {
-            let sign = constant(b, types::F32X4, [1 << 31; LANES]);
+            let sign = constants.get(b, types::F32X4, [1 << 31; LANES]);
             b.ins().bxor(x, sign)
         }
         Op::Neg => b.ins().ineg(x),
         Op::Abs if float => {
-            let others = constant(b, types::F32X4, [!(1 << 31); LANES]);
+            let others = constants.get(b, types::F32X4, [!(1 << 31); LANES]);
             b.ins().band(x, others)
         }
         Op::Abs => b.ins().iabs(x),
         Op::Fma if simd.fma => b.ins().fma(x, y, args[2]),
         Op::Fma => return None,
         Op::Absorb => {
-            let zero = constant(b, types::F32X4, [0; LANES]);
+            let zero = constants.get(b, types::F32X4, [0; LANES]);
             let product = b.ins().fmul(x, y);
             // True for NaN.
             let x_counts = b.ins().fcmp(FloatCC::NotEqual, x, zero);
@@ -73,7 +80,7 @@ pub(crate) fn part(b: &mut FunctionBuilder, simd: Simd, op: Op, scalar: Scalar, 
             Scalar::I32 | Scalar::U32 => x,
             Scalar::F32 => {
                 let bits = cast(b, types::I32X4, x);
-                let nan = constant(b, types::I32X4, [NAN_BITS; LANES]);
+                let nan = constants.get(b, types::I32X4, [NAN_BITS; LANES]);
                 let is_nan = b.ins().fcmp(FloatCC::Unordered, x, x);
                 simd.select(b, is_nan, nan, bits)
             }

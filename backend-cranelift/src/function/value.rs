@@ -83,7 +83,7 @@ impl Emitter<'_> {
         }
         let one = |at: usize| {
             let args: Vec<Value> = args.iter().map(|x| self.value(*x, at)).collect();
-            match vector::part(&mut self.b, self.unit.simd, op, scalar, &args) {
+            match vector::part(&mut self.b, self.unit.simd, &mut self.constants, op, scalar, &args) {
                 Some(value) => value,
                 None => self.lane_by_lane(op, scalar, &args, LANES.min(lanes - at * LANES)),
             }
@@ -198,7 +198,7 @@ impl Emitter<'_> {
     }
 
     fn constant(&mut self, ty: Type, words: [u32; LANES]) -> Value {
-        *self.constants.entry((ty, words)).or_insert_with(|| pack::constant(&mut self.b, ty, words))
+        self.constants.get(&mut self.b, ty, words)
     }
 }
 
