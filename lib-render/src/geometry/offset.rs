@@ -27,7 +27,8 @@ pub fn offset_point(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> 
     let signed = normal.dot(direction).lt(0.0).select(-distance, distance);
     point.zip(normal * signed, |p, step| {
         let moved = p + step;
-        step.eq(0.0).select(moved, moved + (moved.abs() * ULP).copysign(step))
+        let ulp = moved.abs() * ULP;
+        step.gt(0.0).select(moved + ulp, step.lt(0.0).select(moved - ulp, moved))
     })
 }
 
