@@ -63,16 +63,25 @@ fn kernel<A: Staged>(name: &str, body: impl FnOnce(&mut Block, A)) {
     entry(name, Fun::<A, ()>::named(name, body));
 }
 
-/// What a path carries besides its ray: its state, its sum, its numbers of rays, closest and shadow, and its number.
-type Carried = (RayState, Color, U32, U32, U32);
+/// A path at a hit.
+#[derive(Clone, Copy)]
+struct Path {
+    ray: Ray,
+    state: RayState,
+    account: Account,
+    hit: Hit,
+}
+
+/// What a path brings home: its sum, its numbers of rays, closest and shadow, and its number.
+type Account = (Color, U32, U32, U32);
 
 /// Start path i with an item of the pass.
 fn generate(b: &mut Block, tracer: Tracer, i: U32, at: U32, number: U32) {
     let (x, y, sample) = item(at);
     let (ray, state) = tracer.on_emit.call(b, (x, y, sample));
-    let carried: Carried = (state, black(), 0.into(), 0.into(), number);
-    b.store_record(Paths::ORG_X, i, (ray, carried));
-    b.store(Paths::ALIVE, i, true);
+    b.store_record(Paths::ORG_X, i, (ray, state));
+    let account: Account = (black(), 0.into(), 0.into(), number);
+    b.store_record(Paths::R, i, (account, Bool::from(true), Bool::from(false)));
 }
 
 /// Find the nearest hit of each path of a range that has a ray, and who shades it.
@@ -97,15 +106,16 @@ fn geometry(hit: Hit) -> Row<Geometries> {
 /// Shade row i: add what the surface emits, ask for light, go on or end. All rows of the range are of one class.
 fn shade(b: &mut Block, tracer: Tracer, class: Row<Geometries>, i: U32) {
     let path: U32 = b.load(Order::PATH, i);
-    let (ray, carried): (Ray, Carried) = b.load_record(Paths::ORG_X, path);
+    let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, path);
+    let account: Account = b.load_record(Paths::R, path);
     let hit: Hit = b.load_record(Hits::PRIMITIVE, path);
     let row = class.sibling(geometry(hit).index());
-    b.dispatch(row, |b, row| vertex(b, tracer, row, i, ray, carried, hit));
+    b.dispatch(row, |b, row| vertex(b, tracer, row, i, Path { ray, state, account, hit }));
 }
 
 /// One vertex of a path, whose row of geometry is known by class.
-fn vertex(b: &mut Block, tracer: Tracer, row: Row<Geometries>, i: U32, ray: Ray, carried: Carried, hit: Hit) {
-    let (state, sum, closest, shadow, number) = carried;
+fn vertex(b: &mut Block, tracer: Tracer, row: Row<Geometries>, i: U32, path: Path) {
+    let Path { ray, state, account: (sum, closest, shadow, number), hit } = path;
     let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
     let surf = geometry.surface_element.call(b, (ray, hit));
     let mat = geometry.shader.call(b, (ray, hit, surf));
@@ -119,10 +129,8 @@ fn vertex(b: &mut Block, tracer: Tracer, row: Row<Geometries>, i: U32, ray: Ray,
         let skip = Exit::exits(|b, ()| asked.take(b, false.into()));
         tracer.on_shadow.take(b, (ray, hit, state, surf, mat, emit, skip))
     });
-    b.store(Shadows::ASKED, i, asked);
     // Light that is not asked for is black; what is asked for is added when the shadow ray has been traced.
     let (sum, shadow) = asked.select((sum, shadow + 1u32), (sum + black(), shadow));
-    b.store_record(Next::R, i, (sum, closest + 1u32, shadow, number));
 
     let alive = b.label(|b, alive: Exit<Bool>| {
         let bounce = Exit::exits(|b, next: (Ray, RayState)| {
@@ -132,21 +140,23 @@ fn vertex(b: &mut Block, tracer: Tracer, row: Row<Geometries>, i: U32, ray: Ray,
         let end = Exit::exits(|b, ()| alive.take(b, false.into()));
         tracer.on_bounce.take(b, (ray, hit, state, surf, mat, bounce, end))
     });
-    b.store(Next::ALIVE, i, alive);
+    b.store_record(Next::R, i, (sum, closest + 1u32, shadow, number, alive, asked));
 }
 
 /// End the path of row i, which has hit nothing.
 fn miss(b: &mut Block, tracer: Tracer, i: U32) {
     let path: U32 = b.load(Order::PATH, i);
-    let (ray, (state, sum, closest, shadow, number)): (Ray, Carried) = b.load_record(Paths::ORG_X, path);
+    let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, path);
+    let (sum, closest, shadow, number): Account = b.load_record(Paths::R, path);
     let sky = tracer.on_miss.call(b, (ray, state));
-    b.store_record(Next::R, i, (sum + sky, closest + 1u32, shadow, number, Bool::from(false)));
+    let none = Bool::from(false);
+    b.store_record(Next::R, i, (sum + sky, closest + 1u32, shadow, number, none, none));
 }
 
 /// Trace the shadow ray of each row of a range that has one.
 fn shadow(b: &mut Block, range: (U32, U32)) {
     let ask = |b: &mut Block, i: U32| {
-        let is_asked = b.load(Shadows::ASKED, i);
+        let is_asked = b.load(Next::ASKED, i);
         let path: U32 = b.load(Order::PATH, i);
         let state: RayState = b.load_record(Paths::RNG_START, path);
         // The way to the light is another edge of the path than the one that led here, so cut-outs decide anew.

@@ -70,6 +70,8 @@ macro_rules! paths {
                 ABSORPTION_G: F32;
                 /// See `RNG_START`.
                 ABSORPTION_B: F32;
+                /// Nothing: what follows is stored apart, and is two times four words.
+                PADDING: U32;
                 /// Radiance so far.
                 R: F32;
                 /// Green.
@@ -84,10 +86,8 @@ macro_rules! paths {
                 ITEM: U32;
                 /// Is there a ray to trace?
                 ALIVE: Bool;
-                /// Nothing: a row is 128 bytes.
-                PADDING0: U32;
-                /// See `PADDING0`.
-                PADDING1: U32;
+                /// Is there a shadow ray, in the row of [`Shadows`] of the same number?
+                ASKED: Bool;
             }
         }
     };
@@ -156,11 +156,5 @@ stream! {
         G: F32;
         /// Blue.
         B: F32;
-        /// Is there a shadow ray?
-        ASKED: Bool;
-        /// Nothing: a row is 64 bytes.
-        PADDING0: U32;
-        /// See [`Shadows::PADDING0`].
-        PADDING1: U32;
     }
 }

@@ -105,26 +105,26 @@ impl Rays for Trace<'_> {
 struct Shadow<'a> {
     rows: Range<u32>,
     goes_on: bool,
-    shadows: &'a mut Stream,
+    shadows: &'a Stream,
     next: &'a mut Stream,
 }
 
 impl Rays for Shadow<'_> {
     #[inline]
     fn next(&mut self) -> Option<(u32, Ray, Hit)> {
-        let row = self.rows.find(|row| self.shadows.row(*row as usize)[Shadows::ASKED.0 as usize] != 0)?;
+        let row = self.rows.find(|row| self.next.row(*row as usize)[Next::ASKED.0 as usize] != 0)?;
         let ray = ray(self.shadows.row(row as usize));
         Some((row, ray, Hit::miss(ray.tmax)))
     }
 
     #[inline]
     fn done(&mut self, row: u32, hit: Hit) {
-        let (shadow, next) = (self.shadows.row_mut(row as usize), self.next.row_mut(row as usize));
+        let (shadow, next) = (self.shadows.row(row as usize), self.next.row_mut(row as usize));
         let is_free = hit.primitive == NONE;
         if is_free && self.goes_on {
             return;
         }
-        shadow[Shadows::ASKED.0 as usize] = 0;
+        next[Next::ASKED.0 as usize] = 0;
         for (sum, light) in [(Next::R, Shadows::R), (Next::G, Shadows::G), (Next::B, Shadows::B)] {
             let (sum, light) = (&mut next[sum.0 as usize], f32::from_bits(shadow[light.0 as usize]));
             // Black is added too, as the kernel does: it makes −0 a 0.
