@@ -29,7 +29,7 @@ mod agglomerate;
 mod bounds;
 mod layout;
 mod median;
-mod pages;
+pub(super) mod pages;
 pub(super) mod prefilter;
 #[cfg(test)]
 mod reference;

@@ -1,5 +1,6 @@
 //! The tree of the native walk: nodes of eight boxes and leaves of eight triangles, each a few whole lines of the cache.
 
+use crate::host::bvh::pages::with_room;
 use crate::host::bvh::prefilter::usable;
 use crate::host::bvh::tree::{Kind, NodeId, Tree};
 use crate::host::bvh::{Bounds, Dropped, Triangle, first_that_fits};
@@ -95,6 +96,9 @@ impl Writer<'_> {
         let mut writer = Writer { tree, counts: tree.counts(), numbers, triangles, out };
         writer.leaf(&[]);
         writer.node(tree.root(), 0);
+        let written = std::mem::take(&mut writer.out.lines);
+        writer.out.lines = with_room(written.len());
+        writer.out.lines.extend(written);
         writer.out
     }
 
