@@ -16,7 +16,7 @@ use jerboa_scenes::Scene;
 use super::table_2::{Job, fair};
 use super::{Chart, Group, LEVELS, Spread, in_turn};
 use crate::host::code_cache::compile;
-use crate::host::device::DeviceKind;
+use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
 use crate::host::generate::{Generated, Keep, TracerKind, residual};
@@ -44,7 +44,7 @@ struct Variant {
 
 impl Variant {
     fn new(scene: &Scene, job: &Job, known: Known, name: String, lanes: bool) -> Result<Variant, Error> {
-        let tables = Tables::new(scene, &fair(job.max_depth), known);
+        let tables = Tables::walked(scene, &fair(job.max_depth), known, Traversal::default());
         let requests = DeviceKind::Cpu.requests(&tables, TracerKind::Path);
         let residuals =
             requests.iter().map(|r| residual(&tables, r, Keep::default())).collect::<Result<Vec<_>, Error>>()?;
