@@ -2,7 +2,7 @@
 //!
 //! A ray in a tree is a chain of small steps: test a node, test a leaf, complete a hit. Which one comes next nobody can
 //! predict, and what it needs is often in no near cache; so one ray after the other leaves a processor idle for most of the
-//! time. Here many rays are on their way at once, and each waits in the list of what it does next ([`avx512`]): nodes, leaves,
+//! time. Here many rays are on their way at once, and each waits in the list of what it does next (`avx512`): nodes, leaves,
 //! hits. A list is worked off in a loop without branches that depend on the ray, each turn independent of the last one, and
 //! what a ray needs next is asked of the memory when it enters the list. Nodes have eight children and leaves eight triangles,
 //! tested at once.
