@@ -20,6 +20,7 @@ pub mod choices;
 pub mod coverage;
 pub mod forms;
 pub mod golden;
+pub mod graphs;
 pub mod harness;
 pub mod knowledge;
 pub mod machine;

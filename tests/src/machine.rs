@@ -2,7 +2,7 @@
 
 use jerboa_backend_cranelift::{Binding, Kernel, Status};
 use jerboa_ir::interp::{Memory, Stop};
-use jerboa_ir::{ContId, Lit, Program};
+use jerboa_ir::{ColTy, ContId, Lit, Program, Scalar};
 
 /// Run the kernel that was made of this entry, which reads nothing unchecked. Arguments and results as in
 /// [`jerboa_ir::interp::Interp::run`].
@@ -31,4 +31,17 @@ pub fn call(kernel: Kernel, p: &Program, entry: ContId, args: &[Lit], memory: &m
         Status::Done => Ok(scalars.zip(words).map(|(s, w)| Lit::from_word(s, w)).collect()),
         Status::Limit => Err(Stop::Limit),
     }
+}
+
+/// Every NaN in memory becomes the one NaN, as a load makes it.
+pub fn canonical(p: &Program, mut memory: Vec<Memory>) -> Vec<Memory> {
+    for (buffer, m) in p.buffers.iter().zip(&mut memory) {
+        for (col, _) in buffer.columns.iter().enumerate().filter(|(_, c)| c.ty == ColTy::Scalar(Scalar::F32)) {
+            for row in 0..m.rows as usize {
+                let word = &mut m.words[buffer.word(m.rows as usize, row, col)];
+                *word = Lit::from_word(Scalar::F32, *word).word();
+            }
+        }
+    }
+    memory
 }

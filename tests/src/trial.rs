@@ -12,7 +12,7 @@ use jerboa_peval::{Arg, Error, Facts, Generic, Options, specialize};
 use crate::choices::Choices;
 use crate::coverage::{Coverage, Watch, within_iterations};
 use crate::knowledge::{Level, classify};
-use crate::machine::call;
+use crate::machine::{call, canonical};
 use crate::programs::Case;
 use crate::refold::refold;
 
@@ -271,19 +271,6 @@ impl<'p> Ready<'p> {
         let results = self.interp.run_observed(main, args, &mut memory, LIMITS, &mut watch)?;
         Ok((results, canonical(self.program, memory)))
     }
-}
-
-/// Every NaN in memory becomes the one NaN, as a load makes it.
-fn canonical(p: &Program, mut memory: Vec<Memory>) -> Vec<Memory> {
-    for (buffer, m) in p.buffers.iter().zip(&mut memory) {
-        for (col, _) in buffer.columns.iter().enumerate().filter(|(_, c)| c.ty == ColTy::Scalar(Scalar::F32)) {
-            for row in 0..m.rows as usize {
-                let word = &mut m.words[buffer.word(m.rows as usize, row, col)];
-                *word = Lit::from_word(Scalar::F32, *word).word();
-            }
-        }
-    }
-    memory
 }
 
 /// Which arguments the evaluator knows.

@@ -12,7 +12,7 @@ use jerboa_ir::*;
 use jerboa_peval::{Arg, Facts, Generic, Options, specialize};
 use jerboa_tests::choices::{Choices, shrink};
 use jerboa_tests::harness::bench::number;
-use jerboa_tests::machine::call;
+use jerboa_tests::machine::{call, canonical};
 use jerboa_tests::programs::case;
 use jerboa_tests::sweep::{Sweep, fits, sweep};
 
@@ -96,19 +96,6 @@ fn interpret(sweep: &Sweep, p: &Program, args: &[Lit], limits: Limits) -> Outcom
     let mut memory = sweep.memory.clone();
     let entry = p.entry("sweep").expect("it has the entry");
     Interp::new(p).run(entry, args, &mut memory, limits).map(|_| canonical(p, memory))
-}
-
-/// Every NaN in memory becomes the one NaN.
-fn canonical(p: &Program, mut memory: Vec<Memory>) -> Vec<Memory> {
-    for (buffer, m) in p.buffers.iter().zip(&mut memory) {
-        for (col, _) in buffer.columns.iter().enumerate().filter(|(_, c)| c.ty == ColTy::Scalar(Scalar::F32)) {
-            for row in 0..m.rows as usize {
-                let word = &mut m.words[buffer.word(m.rows as usize, row, col)];
-                *word = Lit::from_word(Scalar::F32, *word).word();
-            }
-        }
-    }
-    memory
 }
 
 /// The first word that differs.

@@ -1,5 +1,5 @@
-//! The tree of a function goes where its control flow graph goes, for random decisions: over residuals of random programs
-//! and over all kernels of the renderer. And no block stands in it twice.
+//! The tree of a function goes where its control flow graph goes, for random decisions: over residuals of random programs,
+//! over random graphs, and over all kernels of the renderer. And no block stands in it twice.
 
 use jerboa_ir::Program;
 use jerboa_ir::cfg::{Cfg, Function};
@@ -10,7 +10,7 @@ use jerboa_lib_render::host::tables::{Choices as Chosen, Known, Tables};
 use jerboa_peval::{Arg, Facts, Generic, Options, specialize};
 use jerboa_scenes::{Scene, builtin};
 use jerboa_tests::choices::{Choices, Rng};
-use jerboa_tests::programs::case;
+use jerboa_tests::{graphs, programs};
 
 /// Random programs of a run in the test command.
 const PROGRAMS: u64 = 1000;
@@ -124,13 +124,22 @@ fn check(p: &Program, seed: u64) -> usize {
 fn trees_of_random_programs_go_where_the_graph_goes() {
     let mut blocks = 0;
     for seed in 0..PROGRAMS {
-        let case = case(&mut Choices::random(seed));
+        let case = programs::case(&mut Choices::random(seed));
         let args = vec![Arg::Unknown; case.params().len()];
         let generic = Generic::new(case.program);
         let Ok(residual) = specialize(&generic, "main", &args, &Facts::none(), &Options::default()) else { continue };
         blocks += check(&residual.program, seed);
     }
     assert!(blocks > 4000, "only {blocks} blocks");
+}
+
+#[test]
+fn trees_of_random_graphs_go_where_the_graph_goes() {
+    let mut blocks = 0;
+    for seed in 0..PROGRAMS {
+        blocks += check(&graphs::case(&mut Choices::random(seed)).program, seed);
+    }
+    assert!(blocks > 50_000, "only {blocks} blocks");
 }
 
 #[test]
