@@ -1,5 +1,4 @@
-//! Machine code for the GPU: residual IR to SPIR-V. **This crate holds no code yet**; this page says what it will be, so that
-//! the crates before it are laid out for it.
+//! Machine code for the GPU: residual IR to SPIR-V, and the machine that runs it ([`gpu`]).
 //!
 //! ```text
 //! residual IR → structure tree → naga::Module → naga's validator → SPIR-V (naga::back::spv) → wgpu
@@ -21,3 +20,16 @@
 //!   text it sees is chosen so that it cannot (a literal zero operand of a sum or product is read from a buffer). `fma` is
 //!   refused: SPIR-V does not promise that it rounds once.
 //! - *A machine without a GPU* gets one readable error, never a panic.
+//!
+//! ```
+//! use jerboa_backend_spirv::gpu::{Choice, Gpu, adapters};
+//!
+//! for adapter in adapters() {
+//!     println!("{} ({}), driver {}", adapter.name(), adapter.kind().name(), adapter.driver());
+//! }
+//! if let Err(error) = Gpu::open(&Choice::Any) {
+//!     println!("{error}");
+//! }
+//! ```
+
+pub mod gpu;
