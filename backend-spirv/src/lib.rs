@@ -32,4 +32,22 @@
 //! }
 //! ```
 
+mod code;
+mod emit;
+mod error;
+mod flow;
+mod function;
 pub mod gpu;
+mod launch;
+mod module;
+mod ops;
+mod options;
+mod spirv;
+mod text;
+mod uses;
+
+pub use emit::emit;
+pub use error::Error;
+pub use launch::Binding;
+pub use module::{Array, Module, Report};
+pub use options::{Budget, Grid, Options, Packing, STORAGE_BUFFERS, WORKGROUP};
