@@ -445,6 +445,9 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Hits>(),
     spec::<Order>(),
     spec::<Shadows>(),
+    spec::<Pixels>(),
+    spec::<Ranges>(),
+    spec::<Counts>(),
 ];
 
 /// Declare every buffer in the program that is being built.

@@ -2,6 +2,7 @@
 
 pub mod vec;
 pub mod color;
+pub mod exact;
 pub mod rng;
 pub mod math;
 pub mod onb;

@@ -5,6 +5,9 @@
 
 pub mod cpu;
 pub mod stream;
+pub mod pixel;
+pub mod megakernel;
+pub mod wavefront;
 
 use crate::tracer::Tracer;
 

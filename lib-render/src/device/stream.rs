@@ -63,20 +63,11 @@ fn kernel<A: Staged>(name: &str, body: impl FnOnce(&mut Block, A)) {
     entry(name, Fun::<A, ()>::named(name, body));
 }
 
-/// A path at a hit.
-#[derive(Clone, Copy)]
-struct Path {
-    ray: Ray,
-    state: RayState,
-    account: Account,
-    hit: Hit,
-}
-
 /// What a path brings home: its sum, its numbers of rays, closest and shadow, and its number.
 type Account = (Color, U32, U32, U32);
 
 /// Start path i with an item of the pass.
-fn generate(b: &mut Block, tracer: Tracer, i: U32, at: U32, number: U32) {
+pub(super) fn generate(b: &mut Block, tracer: Tracer, i: U32, at: U32, number: U32) {
     let (x, y, sample) = item(at);
     let (ray, state) = tracer.on_emit.call(b, (x, y, sample));
     b.store_record(Paths::ORG_X, i, (ray, state));
@@ -86,16 +77,21 @@ fn generate(b: &mut Block, tracer: Tracer, i: U32, at: U32, number: U32) {
 
 /// Find the nearest hit of each path of a range that has a ray, and who shades it.
 fn trace(b: &mut Block, range: (U32, U32)) {
-    let ask = |b: &mut Block, i: U32| {
-        let is_asked = b.load(Paths::ALIVE, i);
-        let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, i);
-        Question { is_asked, ray, accept: make_accept(state) }
-    };
-    turns::trace(b, range, false, ask, |b, i, hit| {
-        b.store_record(Hits::PRIMITIVE, i, hit);
-        let class = b.if_(hit.is_hit(), |_| geometry(hit).get(Geometries::CLASS), |_| U32::from(NONE));
-        b.store(Hits::CLASS, i, class);
-    });
+    turns::trace(b, range, false, ask_nearest, answer_nearest);
+}
+
+/// What does the ray of path i hit?
+pub(super) fn ask_nearest(b: &mut Block, i: U32) -> Question {
+    let is_asked = b.load(Paths::ALIVE, i);
+    let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, i);
+    Question { is_asked, ray, accept: make_accept(state) }
+}
+
+/// This.
+pub(super) fn answer_nearest(b: &mut Block, i: U32, hit: Hit) {
+    b.store_record(Hits::PRIMITIVE, i, hit);
+    let class = b.if_(hit.is_hit(), |_| geometry(hit).get(Geometries::CLASS), |_| U32::from(NONE));
+    b.store(Hits::CLASS, i, class);
 }
 
 /// The geometry that was hit.
@@ -104,47 +100,77 @@ fn geometry(hit: Hit) -> Row<Geometries> {
 }
 
 /// Shade row i: add what the surface emits, ask for light, go on or end. All rows of the range are of one class.
-fn shade(b: &mut Block, tracer: Tracer, class: Row<Geometries>, i: U32) {
+pub(super) fn shade(b: &mut Block, tracer: Tracer, class: Row<Geometries>, i: U32) {
     let path: U32 = b.load(Order::PATH, i);
     let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, path);
     let account: Account = b.load_record(Paths::R, path);
     let hit: Hit = b.load_record(Hits::PRIMITIVE, path);
     let row = class.sibling(geometry(hit).index());
-    b.dispatch(row, |b, row| vertex(b, tracer, row, i, Path { ray, state, account, hit }));
+    b.dispatch(row, |b, row| store_vertex(b, tracer, row, i, (ray, hit, state), account));
 }
 
-/// One vertex of a path, whose row of geometry is known by class.
-fn vertex(b: &mut Block, tracer: Tracer, row: Row<Geometries>, i: U32, path: Path) {
-    let Path { ray, state, account: (sum, closest, shadow, number), hit } = path;
-    let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
-    let surf = geometry.surface_element.call(b, (ray, hit));
-    let mat = geometry.shader.call(b, (ray, hit, surf));
-    let sum = sum + tracer.on_hit.call(b, (ray, hit, state, surf, mat));
-
-    let asked = b.label(|b, asked: Exit<Bool>| {
-        let emit = Exit::exits(|b, (ray, contribution): (Ray, Color)| {
-            b.store_record(Shadows::ORG_X, i, (ray, contribution));
-            asked.take(b, true.into())
-        });
-        let skip = Exit::exits(|b, ()| asked.take(b, false.into()));
-        tracer.on_shadow.take(b, (ray, hit, state, surf, mat, emit, skip))
-    });
+/// One vertex of a path, whose row of geometry is known by class, into row i.
+fn store_vertex(
+    b: &mut Block,
+    tracer: Tracer,
+    row: Row<Geometries>,
+    i: U32,
+    at: (Ray, Hit, RayState),
+    account: Account,
+) {
+    let (sum, closest, shadow, number) = account;
+    let lit = |b: &mut Block, ray: Option<(Ray, Color)>| {
+        ray.into_iter().for_each(|ray| b.store_record(Shadows::ORG_X, i, ray));
+        Bool::from(ray.is_some())
+    };
+    let next = |b: &mut Block, next: Option<(Ray, RayState)>| {
+        next.into_iter().for_each(|next| b.store_record(Next::ORG_X, i, next));
+        Bool::from(next.is_some())
+    };
+    let (emitted, asked, alive) = vertex(b, tracer, row, at, lit, next);
+    let sum = sum + emitted;
     // Light that is not asked for is black; what is asked for is added when the shadow ray has been traced.
     let (sum, shadow) = asked.select((sum, shadow + 1u32), (sum + black(), shadow));
-
-    let alive = b.label(|b, alive: Exit<Bool>| {
-        let bounce = Exit::exits(|b, next: (Ray, RayState)| {
-            b.store_record(Next::ORG_X, i, next);
-            alive.take(b, true.into())
-        });
-        let end = Exit::exits(|b, ()| alive.take(b, false.into()));
-        tracer.on_bounce.take(b, (ray, hit, state, surf, mat, bounce, end))
-    });
     b.store_record(Next::R, i, (sum, closest + 1u32, shadow, number, alive, asked));
 }
 
+/// One vertex of a path: what the surface emits, what `lit` makes of the shadow ray or of there being none, and what `next`
+/// makes of the next ray or of the path's end.
+pub(super) fn vertex<L: Staged, N: Staged>(
+    b: &mut Block,
+    tracer: Tracer,
+    row: Row<Geometries>,
+    (ray, hit, state): (Ray, Hit, RayState),
+    lit: impl Fn(&mut Block, Option<(Ray, Color)>) -> L,
+    next: impl Fn(&mut Block, Option<(Ray, RayState)>) -> N,
+) -> (Color, L, N) {
+    let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
+    let surf = geometry.surface_element.call(b, (ray, hit));
+    let mat = geometry.shader.call(b, (ray, hit, surf));
+    let emitted = tracer.on_hit.call(b, (ray, hit, state, surf, mat));
+    let light = b.label(|b, light: Exit<L>| {
+        let of = |b: &mut Block, ray| {
+            let made = lit(b, ray);
+            light.take(b, made)
+        };
+        let emit = Exit::exits(|b, ray: (Ray, Color)| of(b, Some(ray)));
+        let skip = Exit::exits(|b, ()| of(b, None));
+        tracer.on_shadow.take(b, (ray, hit, state, surf, mat, emit, skip))
+    });
+    let onwards = b.label(|b, onwards: Exit<N>| {
+        let of = |b: &mut Block, ray| {
+            let made = next(b, ray);
+            onwards.take(b, made)
+        };
+        let bounce = Exit::exits(|b, ray: (Ray, RayState)| of(b, Some(ray)));
+        let end = Exit::exits(|b, ()| of(b, None));
+        tracer.on_bounce.take(b, (ray, hit, state, surf, mat, bounce, end))
+    });
+    (emitted, light, onwards)
+}
+
 /// End the path of row i, which has hit nothing.
-fn miss(b: &mut Block, tracer: Tracer, i: U32) {
+pub(super) fn miss(b: &mut Block, tracer: Tracer, i: U32) {
     let path: U32 = b.load(Order::PATH, i);
     let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, path);
     let (sum, closest, shadow, number): Account = b.load_record(Paths::R, path);
@@ -155,17 +181,22 @@ fn miss(b: &mut Block, tracer: Tracer, i: U32) {
 
 /// Trace the shadow ray of each row of a range that has one.
 fn shadow(b: &mut Block, range: (U32, U32)) {
-    let ask = |b: &mut Block, i: U32| {
-        let is_asked = b.load(Next::ASKED, i);
-        let path: U32 = b.load(Order::PATH, i);
-        let state: RayState = b.load_record(Paths::RNG_START, path);
-        // The way to the light is another edge of the path than the one that led here, so cut-outs decide anew.
-        let edge = RayState { vertex: state.vertex + 1u32, ..state };
-        Question { is_asked, ray: b.load_record(Shadows::ORG_X, i), accept: make_accept(edge) }
-    };
-    turns::trace(b, range, true, ask, |b, i, hit| {
-        let (_, contribution): (Ray, Color) = b.load_record(Shadows::ORG_X, i);
-        let sum: Color = b.load_record(Next::R, i);
-        b.store_record(Next::R, i, sum + hit.is_hit().select(black(), contribution));
-    });
+    turns::trace(b, range, true, ask_blocked, answer_blocked);
+}
+
+/// Is the shadow ray of row i blocked?
+pub(super) fn ask_blocked(b: &mut Block, i: U32) -> Question {
+    let is_asked = b.load(Next::ASKED, i);
+    let path: U32 = b.load(Order::PATH, i);
+    let state: RayState = b.load_record(Paths::RNG_START, path);
+    // The way to the light is another edge of the path than the one that led here, so cut-outs decide anew.
+    let edge = RayState { vertex: state.vertex + 1u32, ..state };
+    Question { is_asked, ray: b.load_record(Shadows::ORG_X, i), accept: make_accept(edge) }
+}
+
+/// By this, if it is a hit.
+pub(super) fn answer_blocked(b: &mut Block, i: U32, hit: Hit) {
+    let (_, contribution): (Ray, Color) = b.load_record(Shadows::ORG_X, i);
+    let sum: Color = b.load_record(Next::R, i);
+    b.store_record(Next::R, i, sum + hit.is_hit().select(black(), contribution));
 }

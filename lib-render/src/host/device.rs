@@ -1,10 +1,12 @@
 //! Which kernels a device has, and what is known of their parameters.
 
-use jerboa_peval::Arg;
+use jerboa_peval::{Arg, Generic};
 
-use super::generate::{Request, TracerKind};
+use super::generate::{Request, TracerKind, generic, gpu_generic};
+use super::gpu::wavefront;
 use super::tables::Tables;
 use crate::device::stream::kernel_name;
+use crate::device::wavefront::entry_name;
 use crate::schema::{Geometries, binding};
 
 /// Where paths are traced. The image is the same.
@@ -15,6 +17,10 @@ pub enum DeviceKind {
     Cpu,
     /// One path after the other on the CPU, in one kernel.
     CpuScalar,
+    /// All samples of a pixel on a GPU, in one kernel: see [`super::gpu`].
+    GpuMegakernel,
+    /// Streams of paths on a GPU, sorted by shader: see [`super::gpu`].
+    GpuWavefront,
 }
 
 /// Who walks the tree on [`DeviceKind::Cpu`]. The image is the same.
@@ -33,31 +39,64 @@ pub const MOST_CLASSES: u32 = 64;
 
 impl DeviceKind {
     /// All of them.
-    pub const ALL: [DeviceKind; 2] = [DeviceKind::Cpu, DeviceKind::CpuScalar];
+    pub const ALL: [DeviceKind; 4] =
+        [DeviceKind::Cpu, DeviceKind::CpuScalar, DeviceKind::GpuMegakernel, DeviceKind::GpuWavefront];
 
-    /// The kernels that show what a tracer shows. Those of [`DeviceKind::Cpu`] are `generate`, `trace`, `miss`, `shadow` and
-    /// a `shade` for each class, in this order; beyond [`MOST_CLASSES`] one that reads from tables what it needs to know.
+    /// Those that every machine has.
+    pub const CPU: [DeviceKind; 2] = [DeviceKind::Cpu, DeviceKind::CpuScalar];
+
+    /// Does it run on a GPU?
+    pub fn is_gpu(self) -> bool {
+        !DeviceKind::CPU.contains(&self)
+    }
+
+    /// The generic program that has its entries.
+    pub fn generic(self) -> &'static Generic {
+        if self.is_gpu() { gpu_generic() } else { generic() }
+    }
+
+    /// The kernels that show what a tracer shows, in an order that the host half of the device goes by:
+    /// * [`DeviceKind::Cpu`]: `generate`, `trace`, `miss`, `shadow`, then a `shade` for each class,
+    /// * [`DeviceKind::GpuWavefront`]: those of [`wavefront::STAGES`], then a `shade` for each class,
+    /// * the others: one.
+    ///
+    /// Beyond [`MOST_CLASSES`] there is one `shade` that reads from tables what it needs to know.
     pub fn requests(self, tables: &Tables, tracer: TracerKind) -> Vec<Request> {
-        let entry = |name: &str, unknown: usize| Request {
-            name: name.into(),
-            entry: name.into(),
+        let entry = |entry: String, unknown: usize| Request {
+            device: self,
+            name: entry.clone(),
+            entry,
             args: vec![Arg::Unknown; unknown],
         };
-        if self == DeviceKind::CpuScalar {
-            return vec![entry(tracer.kernel(), 2)];
-        }
         let of_tracer = |stage: &str| kernel_name(tracer.kernel(), stage);
-        let mut requests =
-            vec![entry(&of_tracer("generate"), 4), entry("trace", 2), entry(&of_tracer("miss"), 2), entry("shadow", 2)];
-        let shade = entry(&of_tracer("shade"), 3);
-        let shaders = tables.facts.tables.get(binding::<Geometries>()).map_or(1, |t| t.classes.max(1));
-        let own = if shaders > MOST_CLASSES { MOST_CLASSES - 1 } else { shaders };
-        requests.extend((0..own).map(|class| Request {
-            name: format!("{}.{class}", shade.name),
-            args: vec![Arg::Class(class), Arg::Unknown, Arg::Unknown],
-            entry: shade.entry.clone(),
-        }));
-        requests.extend((own < shaders).then_some(shade));
-        requests
+        match self {
+            DeviceKind::Cpu => {
+                let mut requests = vec![entry(of_tracer("generate"), 4), entry("trace".into(), 2)];
+                requests.extend([entry(of_tracer("miss"), 2), entry("shadow".into(), 2)]);
+                requests.extend(shaders(entry(of_tracer("shade"), 3), 0, tables));
+                requests
+            }
+            DeviceKind::CpuScalar => vec![entry(tracer.kernel().into(), 2)],
+            DeviceKind::GpuMegakernel => vec![entry(of_tracer("megakernel"), 3)],
+            DeviceKind::GpuWavefront => {
+                let named = |stage: &str, traced| if traced { of_tracer(stage) } else { stage.into() };
+                let stages = wavefront::STAGES.iter();
+                let stages = stages.map(|(stage, traced, params)| entry(entry_name(&named(stage, *traced)), *params));
+                stages.chain(shaders(entry(entry_name(&of_tracer("shade")), 3), 1, tables)).collect()
+            }
+        }
     }
+}
+
+/// A kernel for each class of shaders, whose parameter of this number is the class.
+fn shaders(shade: Request, parameter: usize, tables: &Tables) -> impl Iterator<Item = Request> {
+    let classes = tables.facts.tables.get(binding::<Geometries>()).map_or(1, |t| t.classes.max(1));
+    let own = if classes > MOST_CLASSES { MOST_CLASSES - 1 } else { classes };
+    let rest = (own < classes).then(|| shade.clone());
+    let of_class = move |class| {
+        let mut request = Request { name: format!("{}.{class}", shade.name), ..shade.clone() };
+        request.args[parameter] = Arg::Class(class);
+        request
+    };
+    (0..own).map(of_class).chain(rest)
 }

@@ -87,7 +87,7 @@ impl Renderer {
         let mut work = thread_time().saturating_sub(thread_start);
         let [kernels, made] = self.remake(&tables)?;
         work += made.iter().map(|k| k.specialize_time + k.codegen_time).sum::<Duration>();
-        let device = Device::new(kernels, &self.options);
+        let device = Device::new(kernels, &self.options)?;
         let compiled = made.iter().filter(|k| k.codegen_time > Duration::ZERO).map(|k| k.name.clone()).collect();
         let kernels = made.into_iter().map(|k| k.name.clone()).collect();
         Ok((Renderer { tables, device, ..*self }, Edit { kernels, compiled, time: start.elapsed(), work }))

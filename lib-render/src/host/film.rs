@@ -28,7 +28,7 @@ const FRACTION_BITS: i32 = 64;
 /// Largest magnitude of a sample's channel that is accepted: 2^31.
 ///
 /// 2^31 · 2^64 · 2^32 samples = 2^127, the room of an `i128`.
-pub const RANGE: f32 = 2_147_483_648.0;
+pub const RANGE: f32 = crate::core::exact::RANGE;
 
 /// A rectangle of pixels of the full image. Row 0 is the top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +127,7 @@ impl Film {
     }
 
     /// Samples below `next` have been asked for.
-    pub(crate) fn asked_below(&mut self, next: u32) {
+    pub fn asked_below(&mut self, next: u32) {
         self.next_sample = self.next_sample.max(next);
     }
 
@@ -160,6 +160,19 @@ impl Film {
         } else {
             self.dropped += 1;
         }
+    }
+
+    /// Adds the exact sums of `count` samples of `pixel`, in units of 2^-64, as a device has summed them by itself (see
+    /// [`crate::core::exact`]); `dropped` more were dropped.
+    ///
+    /// # Panics
+    /// If `pixel` lies outside the window, which is an error of the caller.
+    pub fn add_sum(&mut self, pixel: [u32; 2], sum: [i128; 3], count: u32, dropped: u32) {
+        let index = self.window.index(pixel).expect("Film::add_sum: pixel outside the film's window");
+        let pixel = &mut self.pixels[index];
+        pixel.count += count;
+        pixel.sum.iter_mut().zip(sum).for_each(|(into, sum)| *into += sum);
+        self.dropped += u64::from(dropped);
     }
 
     /// Adds all samples of `part`, whose window must lie within this one's.

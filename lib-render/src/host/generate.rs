@@ -1,6 +1,7 @@
 //! From tables to kernels: build the generic program once, specialise it, compile what is left.
 //!
 //! The generic program is the same for every scene (Law 1). It is built when it is first needed and shared by all threads.
+//! There are two, so that nobody waits for the entries of a GPU who does not ask for one.
 
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
@@ -13,11 +14,15 @@ use rayon::prelude::*;
 
 use super::clock::thread_time;
 use super::code_cache::compile;
+use super::device::DeviceKind;
 use super::error::Error;
 use super::tables::Tables;
 use crate::camera::make_perspective_camera;
+use crate::device::Device;
 use crate::device::cpu::make_cpu_device;
+use crate::device::megakernel::make_megakernel_device;
 use crate::device::stream::make_stream_device;
+use crate::device::wavefront::make_wavefront_device;
 use crate::schema::declare_all;
 use crate::tracer::debug::{Show, make_debug_tracer};
 use crate::tracer::path::make_path_tracer;
@@ -51,12 +56,21 @@ impl TracerKind {
     }
 }
 
-/// Every entry over every component, for all scenes.
+/// Every entry of the CPU's devices over every component, for all scenes.
 pub fn every_entry() -> Program {
+    every_entry_of([make_cpu_device, make_stream_device])
+}
+
+/// Every entry of the GPU's devices, likewise.
+pub fn every_gpu_entry() -> Program {
+    every_entry_of([make_megakernel_device, make_wavefront_device])
+}
+
+fn every_entry_of(devices: [fn() -> Device; 2]) -> Program {
     build(|| {
         declare_all();
         let camera = make_perspective_camera();
-        let devices = [make_cpu_device(), make_stream_device()];
+        let devices = devices.map(|make| make());
         for kind in TracerKind::ALL {
             let tracer = match kind {
                 TracerKind::Path => make_path_tracer(camera),
@@ -69,9 +83,15 @@ pub fn every_entry() -> Program {
     })
 }
 
-/// The generic program.
+/// The generic program of the CPU's devices.
 pub fn generic() -> &'static Generic {
     static GENERIC: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry()));
+    &GENERIC
+}
+
+/// The generic program of the GPU's devices.
+pub fn gpu_generic() -> &'static Generic {
+    static GENERIC: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_gpu_entry()));
     &GENERIC
 }
 
@@ -87,9 +107,11 @@ pub struct Keep {
 /// A kernel that a device asks for.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Request {
+    /// The device.
+    pub device: DeviceKind,
     /// Its name.
     pub name: String,
-    /// The entry of the generic program.
+    /// The entry of the device's generic program.
     pub entry: String,
     /// What is known of the entry's parameters.
     pub args: Vec<Arg>,
@@ -112,7 +134,8 @@ pub struct Generated {
 /// Specialise a kernel for these tables.
 pub fn residual(tables: &Tables, request: &Request, keep: Keep) -> Result<Residual, Error> {
     let options = jerboa_peval::Options { log: keep.log, ..Default::default() };
-    specialize(generic(), &request.entry, &request.args, &tables.facts, &options).map_err(|e| Error::new(e.to_string()))
+    let generic = request.device.generic();
+    specialize(generic, &request.entry, &request.args, &tables.facts, &options).map_err(|e| Error::new(e.to_string()))
 }
 
 /// Kernels, and the wall times of making them.
@@ -125,17 +148,19 @@ pub struct Kernels {
     pub codegen_time: Duration,
 }
 
+/// Specialise kernels for these tables, in parallel; each with the time that a thread ran for it.
+pub fn residuals(tables: &Tables, requests: &[Request], keep: Keep) -> Result<Vec<(Residual, Duration)>, Error> {
+    let specialized = |request| {
+        let start = thread_time();
+        Ok((residual(tables, request, keep)?, thread_time().saturating_sub(start)))
+    };
+    requests.par_iter().with_max_len(1).map(specialized).collect()
+}
+
 /// Specialise and compile kernels for these tables, in parallel.
 pub fn generate(tables: &Tables, requests: &[Request], keep: Keep) -> Result<Kernels, Error> {
     let start = Instant::now();
-    let residuals = requests
-        .par_iter()
-        .with_max_len(1)
-        .map(|request| {
-            let start = thread_time();
-            Ok((residual(tables, request, keep)?, thread_time().saturating_sub(start)))
-        })
-        .collect::<Result<Vec<_>, Error>>()?;
+    let residuals = residuals(tables, requests, keep)?;
     let specialize_time = start.elapsed();
     let start = Instant::now();
     let options = clif::Options { dumps: keep.dumps, ..Default::default() };

@@ -15,6 +15,7 @@
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names,
 //! * [`renderer`], [`edit`], [`session`]: a scene made into kernels and rendered, changed, changed while it is rendered,
+//! * [`gpu`]: the devices on a GPU,
 //! * [`rays`]: raw tracing, in rays per second,
 //! * [`clock`], [`stages`]: time that a thread ran for, and on what,
 //! * [`effort`]: how much there is to write and to read,
@@ -26,6 +27,7 @@ pub mod code_cache;
 pub mod device;
 mod dispatch;
 mod scalar;
+pub mod gpu;
 pub mod clock;
 pub mod stages;
 pub mod wave;

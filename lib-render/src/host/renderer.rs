@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::device::{DeviceKind, Traversal};
 use super::error::Error;
 use super::film::Film;
-use super::generate::{Generated, Keep, Kernels, TracerKind, generate, generic};
+use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
 use super::scalar;
 use super::tables::{Choices, Known, Pass, Tables};
 use super::wave::Wave;
@@ -92,10 +92,13 @@ pub(super) enum Device {
 
 impl Device {
     /// Kernels as [`DeviceKind::requests`] lists them.
-    pub(super) fn new(mut kernels: Vec<Arc<Generated>>, options: &Options) -> Device {
+    pub(super) fn new(mut kernels: Vec<Arc<Generated>>, options: &Options) -> Result<Device, Error> {
         match options.device {
-            DeviceKind::Cpu => Device::Cpu(Wave::new(kernels, options.cut.slots)),
-            DeviceKind::CpuScalar => Device::CpuScalar(kernels.remove(0)),
+            DeviceKind::Cpu => Ok(Device::Cpu(Wave::new(kernels, options.cut.slots))),
+            DeviceKind::CpuScalar => Ok(Device::CpuScalar(kernels.remove(0))),
+            DeviceKind::GpuMegakernel | DeviceKind::GpuWavefront => {
+                Err(Error::new("a GPU cannot be used yet: choose the device cpu"))
+            }
         }
     }
 }
@@ -166,16 +169,16 @@ impl Renderer {
         let start = Instant::now();
         let traversal = match options.device {
             DeviceKind::Cpu => options.traversal,
-            DeviceKind::CpuScalar => Traversal::Ir,
+            _ => Traversal::Ir,
         };
         let lay_out = || (Tables::walked(scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
-        let ((tables, laid_out), _) = rayon::join(lay_out, generic);
+        let ((tables, laid_out), _) = rayon::join(lay_out, || options.device.generic());
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
         let waited = laid_out.elapsed();
         let requests = options.device.requests(&tables, options.tracer);
         let Kernels { kernels, specialize_time, codegen_time } = generate(&tables, &requests, options.keep)?;
-        let device = Device::new(kernels, &options);
+        let device = Device::new(kernels, &options)?;
         let specialize_time = waited + specialize_time;
         Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
     }

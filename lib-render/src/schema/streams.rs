@@ -158,3 +158,66 @@ stream! {
         B: F32;
     }
 }
+
+stream! {
+    /// What a device leaves for each pixel of a piece of a pass: exact sums of the samples, see [`crate::core::exact`].
+    pub rows Pixels {
+        /// The record `PixelSum`: red, from the least significant word.
+        R0: U32;
+        /// See [`Pixels::R0`].
+        R1: U32;
+        /// See [`Pixels::R0`].
+        R2: U32;
+        /// See [`Pixels::R0`].
+        R3: U32;
+        /// Green.
+        G0: U32;
+        /// See [`Pixels::G0`].
+        G1: U32;
+        /// See [`Pixels::G0`].
+        G2: U32;
+        /// See [`Pixels::G0`].
+        G3: U32;
+        /// Blue.
+        B0: U32;
+        /// See [`Pixels::B0`].
+        B1: U32;
+        /// See [`Pixels::B0`].
+        B2: U32;
+        /// See [`Pixels::B0`].
+        B3: U32;
+        /// Samples in the sums.
+        COUNT: U32;
+        /// Samples that were dropped.
+        DROPPED: U32;
+        /// Closest-hit rays traced.
+        CLOSEST: U32;
+        /// Shadow rays traced.
+        SHADOW: U32;
+    }
+}
+
+stream! {
+    /// Ranges of rows on a device that counts by itself, and grids to dispatch over them; see [`crate::device::wavefront`].
+    pub rows Ranges {
+        /// The first row.
+        FIRST: U32;
+        /// The row after the last.
+        END: U32;
+        /// Groups of invocations, one invocation a row.
+        GROUPS_X: U32;
+        /// 1.
+        GROUPS_Y: U32;
+        /// 1.
+        GROUPS_Z: U32;
+    }
+}
+
+stream! {
+    /// For each class of shaders, and in it for each block of rows of [`Paths`]: how many are of the class; then, how many in
+    /// the blocks before; then, in all rows before.
+    pub Counts {
+        /// How many.
+        COUNT: U32;
+    }
+}

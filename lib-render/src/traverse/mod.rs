@@ -50,31 +50,48 @@ pub struct Tests {
     pub meet: fn(Line, Corners) -> Meeting,
 }
 
+impl Default for Tests {
+    fn default() -> Tests {
+        Tests { span: bvh::span, meet: triangle::meet }
+    }
+}
+
 /// The traversal. It stays a call: a kernel has one copy for the nearest hit and one for any hit.
 pub fn make_traverse() -> TraverseFn {
-    make_traverse_with(Tests { span: bvh::span, meet: triangle::meet })
+    make_traverse_with(Tests::default())
 }
 
 /// The traversal by these tests.
 pub fn make_traverse_with(tests: Tests) -> TraverseFn {
     let body = move |b: &mut Block, _, (ray, Keep(any_hit), accept): (Ray, Keep<Bool>, AcceptFn)| {
-        let walk = Walk { tests, any_hit, memory: Memory::new(b, 1) };
-        let root = walk.start(b, ray);
-        b.loop_(root, |b, child, go_on, done| {
-            let leaf = |b: &mut Block| {
-                let visit = |b: &mut Block| {
-                    let child = walk.leaf(b, child.block(), |_| (ray, accept));
-                    go_on.take(b, child)
-                };
-                b.branch(child.is_nothing(), |b| done.take(b, ()), visit)
-            };
-            let inner = |b: &mut Block| {
-                let child = walk.inner(b, child);
-                go_on.take(b, child)
-            };
-            b.branch(child.is_leaf(), leaf, inner)
-        });
-        walk.hit(b)
+        let memory = Memory::new(b, 1);
+        traverse_here(b, tests, memory, (ray, any_hit, accept))
     };
     TraverseFn::rec("traverse", |_| never(), body)
+}
+
+/// The traversal, written out where it is asked for, for the nearest hit or any hit, as is known or not.
+pub fn traverse_here(
+    b: &mut Block,
+    tests: Tests,
+    memory: Memory,
+    (ray, any_hit, accept): (Ray, Bool, AcceptFn),
+) -> Hit {
+    let walk = Walk { tests, any_hit, memory };
+    let root = walk.start(b, ray);
+    b.loop_(root, |b, child, go_on, done| {
+        let leaf = |b: &mut Block| {
+            let visit = |b: &mut Block| {
+                let child = walk.leaf(b, child.block(), |_| (ray, accept));
+                go_on.take(b, child)
+            };
+            b.branch(child.is_nothing(), |b| done.take(b, ()), visit)
+        };
+        let inner = |b: &mut Block| {
+            let child = walk.inner(b, child);
+            go_on.take(b, child)
+        };
+        b.branch(child.is_leaf(), leaf, inner)
+    });
+    walk.hit(b)
 }

@@ -8,7 +8,7 @@ use jerboa_ir::lang::{Block, Bool, U32};
 use super::bvh::Child;
 use super::memory::{Memory, WALK, word};
 use super::walk::Walk;
-use super::{AcceptFn, Tests, bvh, triangle};
+use super::{AcceptFn, Tests};
 use crate::ray::{Hit, Ray};
 use crate::schema::{NONE, Tree};
 
@@ -36,10 +36,7 @@ pub fn trace(
     answer: impl Fn(&mut Block, U32, Hit),
 ) {
     let first = Memory::new(b, TURNS);
-    let walk = |start: U32| {
-        let tests = Tests { span: bvh::span, meet: triangle::meet };
-        Walk { tests, any_hit: any_hit.into(), memory: first.starting(start) }
-    };
+    let walk = |start: U32| Walk { tests: Tests::default(), any_hit: any_hit.into(), memory: first.starting(start) };
     for number in 0..TURNS {
         let Walk { memory, .. } = walk((number * WALK).into());
         memory.set_word(b, word::CHILD, Child::nothing().word);
