@@ -282,6 +282,49 @@ fn json_of_compare_tells_the_figures() {
     }
 }
 
+/// Where a driver is missing, the command lists what is there, and what would help.
+#[test]
+fn devices_lists_cpus_gpus_and_what_auto_takes() {
+    let devices = |words: &str, driver: Option<&str>| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_jerboa"));
+        driver.map(|path| command.env("VK_DRIVER_FILES", path).env("VK_ICD_FILENAMES", path));
+        let out = command.args(words.split_whitespace()).output().expect("the command starts");
+        assert!(out.status.success(), "{words}: {}", String::from_utf8_lossy(&out.stderr));
+        String::from_utf8(out.stdout).expect("text")
+    };
+    let json = |text: String| serde_json::from_str::<Value>(&text).expect("JSON");
+    let here = json(devices("devices --json", None));
+    assert_eq!(keys(&here), ["adapters", "auto", "cpu", "no_adapter"]);
+    assert_eq!(here["cpu"]["devices"], serde_json::json!(["cpu", "cpu-scalar"]));
+    let (adapters, text) = (here["adapters"].as_array().expect("a list"), devices("devices", None));
+    for adapter in adapters {
+        let expected = ["devices", "driver", "exact", "kind", "largest_buffer_bytes", "name", "system", "unfit"];
+        assert_eq!(keys(adapter), expected);
+        assert!(text.contains(adapter["name"].as_str().expect("text")), "{text}");
+        assert_eq!(
+            adapter["devices"].as_array().expect("a list").is_empty(),
+            adapter["unfit"].is_string(),
+            "{adapter}"
+        );
+    }
+    assert_eq!(here["no_adapter"].is_string(), adapters.is_empty(), "{here}");
+    if adapters.iter().all(|a| a["kind"] == "software") {
+        assert_eq!(here["auto"]["device"], "cpu");
+    }
+    assert!(text.contains(&format!("--device auto takes {}: ", here["auto"]["device"].as_str().expect("text"))));
+    if cfg!(target_os = "linux") {
+        let none = json(devices("devices --json", Some("/nonexistent")));
+        assert_eq!((&none["adapters"], &none["auto"]["device"]), (&serde_json::json!([]), &Value::from("cpu")));
+        let help = if cfg!(feature = "gpu") { "mesa-vulkan-drivers" } else { "cargo feature" };
+        assert!(none["no_adapter"].as_str().is_some_and(|why| why.contains(help)), "{none}");
+        assert!(devices("devices", Some("/nonexistent")).contains(help));
+    }
+    if cfg!(feature = "gpu") && adapters.is_empty() {
+        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "no adapter is here: install mesa-vulkan-drivers");
+        println!("skipped: what is said of an adapter, since none is here");
+    }
+}
+
 #[test]
 fn bench_table_3_counts_the_sources() {
     let sources = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
@@ -449,7 +492,7 @@ fn warnings_are_lines_and_no_failure() {
 fn help_says_every_word() {
     let desk = Desk::new();
     let help = desk.ok("--help");
-    for command in ["render", "dump", "time", "explain", "trace", "compare", "bench"] {
+    for command in ["render", "dump", "time", "explain", "trace", "compare", "devices", "bench"] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
         assert!(desk.ok(&format!("{command} --help")).contains("Usage: jerboa"), "{command}");
     }

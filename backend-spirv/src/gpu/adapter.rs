@@ -7,9 +7,9 @@ use super::{Error, Mode, WORKGROUP};
 /// Storage buffers that a kernel may bind, launch and results among them. wgpu's default; nearly every GPU has more.
 const STORAGE_BUFFERS: u32 = 8;
 
-/// What says how to come by a driver.
-const REMEDY: &str = "install the GPU's Vulkan driver; on Debian and Ubuntu the package mesa-vulkan-drivers has those of AMD \
-                      and Intel, and one that runs on the CPU";
+/// What there is to say where [`adapters`] finds none.
+pub const NONE: &str = "no GPU and no driver of one was found: install the GPU's Vulkan driver; on Debian and Ubuntu the \
+                        package mesa-vulkan-drivers has those of AMD and Intel, and one that runs on the CPU";
 
 /// What an adapter is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -207,14 +207,17 @@ fn unfit(limits: &Limits, flags: DownlevelFlags) -> Option<String> {
 /// What to tell somebody who asked for an adapter that is not there.
 fn missing(all: &[Adapter], choice: &Choice) -> String {
     if all.is_empty() {
-        return format!("no GPU and no driver of one was found: {REMEDY}");
+        return NONE.into();
     }
     let names: Vec<String> = all.iter().map(|a| format!("`{}` ({})", a.name, a.kind.name())).collect();
     let wanted = match choice {
         Choice::Named(name) => format!("no GPU has `{name}` in its name"),
         _ => "no GPU was found".into(),
     };
-    format!("{wanted}; there is {}; for another {REMEDY}", names.join(", "))
+    format!(
+        "{wanted}; there is {}; another may lack its Vulkan driver (mesa-vulkan-drivers on Debian)",
+        names.join(", ")
+    )
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ mod memory;
 mod kernel;
 mod launch;
 
-pub use adapter::{Adapter, Choice, Kind, adapters};
+pub use adapter::{Adapter, Choice, Kind, NONE, adapters};
 pub use device::{Gpu, Mode};
 pub use error::Error;
 pub use kernel::{Code, Kernel};

@@ -29,6 +29,8 @@ pub enum Command {
     Trace(TraceArgs),
     /// Measure how far images are from a reference
     Compare(CompareArgs),
+    /// List where this machine can render: CPU, GPUs, and what would run on them
+    Devices(DevicesArgs),
     /// Measure speed and error
     Bench {
         /// What to measure.
@@ -352,6 +354,14 @@ pub struct CompareArgs {
     /// Write a picture of the difference: red where A is brighter, blue where it is darker
     #[arg(long, value_name = "OUT.png")]
     pub diff: Option<PathBuf>,
+}
+
+/// Words of `jerboa devices`.
+#[derive(Clone, Debug, Args)]
+pub struct DevicesArgs {
+    /// Print an object as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Words of `jerboa bench stability`.

@@ -10,6 +10,7 @@ mod render;
 mod inspect;
 mod trace;
 mod compare;
+mod devices;
 mod bench;
 mod edits;
 mod rays;
@@ -48,6 +49,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Explain(args) => print(&inspect::explain(&args)?),
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
+        Command::Devices(args) => print(&devices::run(&args)),
         Command::Bench { command: BenchCommand::Edits(args) } => print(&edits::run(&args)?),
         Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
         Command::Bench { command: BenchCommand::Table3(args) } => print(&effort::run(&args)?),
