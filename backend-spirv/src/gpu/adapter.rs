@@ -2,10 +2,8 @@
 
 use wgpu::{Backends, DeviceType, DownlevelFlags, Features, InstanceDescriptor, InstanceFlags, Limits};
 
-use super::{Error, Mode, WORKGROUP};
-
-/// Storage buffers that a kernel may bind, launch and results among them. wgpu's default; nearly every GPU has more.
-const STORAGE_BUFFERS: u32 = 8;
+use super::{Error, Mode};
+use crate::{STORAGE_BUFFERS, WORKGROUP};
 
 /// What there is to say where [`adapters`] finds none.
 pub const NONE: &str = "no GPU and no driver of one was found: install the GPU's Vulkan driver; on Debian and Ubuntu the \
@@ -177,7 +175,7 @@ impl Adapter {
     /// What a device asks for: what kernels need, and buffers as large as there are.
     pub(super) fn needs(&self) -> Limits {
         Limits {
-            max_storage_buffers_per_shader_stage: STORAGE_BUFFERS,
+            max_storage_buffers_per_shader_stage: STORAGE_BUFFERS as u32,
             max_storage_buffer_binding_size: self.limits.max_storage_buffer_binding_size,
             max_buffer_size: self.limits.max_buffer_size,
             ..Limits::downlevel_defaults().or_worse_values_from(&self.limits)
@@ -195,7 +193,7 @@ fn unfit(limits: &Limits, flags: DownlevelFlags) -> Option<String> {
         return Some(format!("it has no {what}"));
     }
     let asks = [
-        ("storage buffers in a shader", STORAGE_BUFFERS, limits.max_storage_buffers_per_shader_stage),
+        ("storage buffers in a shader", STORAGE_BUFFERS as u32, limits.max_storage_buffers_per_shader_stage),
         ("invocations in a workgroup", WORKGROUP, limits.max_compute_invocations_per_workgroup),
         ("invocations along a workgroup", WORKGROUP, limits.max_compute_workgroup_size_x),
         ("workgroups along a grid", super::MOST_GROUPS, limits.max_compute_workgroups_per_dimension),

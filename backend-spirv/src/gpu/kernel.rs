@@ -10,29 +10,7 @@ use wgpu::{
 };
 
 use super::{Error, Gpu, Mode};
-
-/// What a kernel is made from: the same code twice, and how it is launched.
-#[derive(Clone, Copy, Debug)]
-pub struct Code<'a> {
-    /// What errors call it.
-    pub name: &'a str,
-    /// The code for exact mode.
-    pub spirv: &'a [u32],
-    /// The code for portable mode.
-    pub module: &'a naga::Module,
-    /// The entry in both.
-    pub entry: &'a str,
-    /// Invocations of a workgroup.
-    pub workgroup: u32,
-    /// Words of arguments.
-    pub arguments: u32,
-    /// For each buffer of the program the binding that holds it, from 1 on; 0 if the kernel does not bind it.
-    pub packing: &'a [u32],
-    /// For each binding from 1 on, without the results, whether the kernel writes it.
-    pub written: &'a [bool],
-    /// Whether one more binding takes results.
-    pub results: bool,
-}
+use crate::{Binding, Grid, Module, WORKGROUP};
 
 /// A pipeline and how it is launched.
 #[derive(Debug)]
@@ -40,11 +18,13 @@ pub struct Kernel {
     pub(super) name: String,
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
+    /// Invocations of a workgroup.
     pub(super) workgroup: u32,
+    /// Words of arguments.
     pub(super) arguments: u32,
-    pub(super) packing: Vec<u32>,
-    pub(super) written: Vec<bool>,
-    pub(super) results: bool,
+    /// Words of results.
+    pub(super) results: u32,
+    pub(super) bindings: Vec<Binding>,
     time: Duration,
 }
 
@@ -54,6 +34,15 @@ impl Kernel {
         &self.name
     }
 
+    /// How many buffers the program has.
+    pub(super) fn buffers(&self) -> usize {
+        let held = self.bindings.iter().map(|binding| match binding {
+            Binding::Tables(group) | Binding::Streams(group) => group.len(),
+            Binding::Launch | Binding::Results => 0,
+        });
+        held.sum()
+    }
+
     /// How long the driver took to make the pipeline; see [`Gpu::warm`] for what it may have left for later.
     pub fn pipeline_time(&self) -> Duration {
         self.time
@@ -61,55 +50,57 @@ impl Kernel {
 }
 
 impl Gpu {
-    /// Makes the driver compile a kernel. Several threads may do so at the same time.
+    /// Makes the driver compile what [`crate::emit`] made. Several threads may do so at the same time.
     ///
     /// # Errors
     ///
     /// The driver refuses, or the device is lost.
-    pub fn kernel(&self, code: &Code) -> Result<Kernel, Error> {
+    pub fn kernel(&self, module: &Module) -> Result<Kernel, Error> {
         let start = Instant::now();
-        let (pipeline, layout) = self.guarded(&format!("the kernel `{}`", code.name), || {
-            let layout = self.layout(code);
-            (self.pipeline(code, &layout), layout)
+        let workgroup = match module.grid() {
+            Grid::Items => WORKGROUP,
+            Grid::Single => 1,
+        };
+        let (pipeline, layout) = self.guarded(&format!("the kernel `{}`", module.name()), || {
+            let layout = self.layout(module.bindings());
+            (self.pipeline(module, workgroup, &layout), layout)
         })?;
         Ok(Kernel {
-            name: code.name.into(),
+            name: module.name().into(),
             pipeline,
             layout,
-            workgroup: code.workgroup,
-            arguments: code.arguments,
-            packing: code.packing.into(),
-            written: code.written.into(),
-            results: code.results,
+            workgroup,
+            arguments: module.arguments(),
+            results: module.results(),
+            bindings: module.bindings().into(),
             time: start.elapsed(),
         })
     }
 
-    /// What it binds: the launch, the program's buffers, the results.
-    fn layout(&self, code: &Code) -> wgpu::BindGroupLayout {
-        let written = [false].into_iter().chain(code.written.iter().copied()).chain(code.results.then_some(true));
-        let entry = |(binding, written): (usize, bool)| BindGroupLayoutEntry {
-            binding: binding as u32,
+    /// What a kernel binds: the launch, the program's buffers, the results.
+    fn layout(&self, bindings: &[Binding]) -> wgpu::BindGroupLayout {
+        let entry = |(number, binding): (usize, &Binding)| BindGroupLayoutEntry {
+            binding: number as u32,
             visibility: ShaderStages::COMPUTE,
             ty: BindingType::Buffer {
-                ty: BufferBindingType::Storage { read_only: !written },
+                ty: BufferBindingType::Storage { read_only: !binding.is_written() },
                 has_dynamic_offset: false,
                 min_binding_size: None,
             },
             count: None,
         };
-        let entries: Vec<BindGroupLayoutEntry> = written.enumerate().map(entry).collect();
+        let entries: Vec<BindGroupLayoutEntry> = bindings.iter().enumerate().map(entry).collect();
         self.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: None, entries: &entries })
     }
 
-    fn pipeline(&self, code: &Code, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
+    fn pipeline(&self, module: &Module, workgroup: u32, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
         let descriptor =
             PipelineLayoutDescriptor { label: None, bind_group_layouts: &[Some(layout)], immediate_size: 0 };
         self.device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label: Some(code.name),
+            label: Some(module.name()),
             layout: Some(&self.device.create_pipeline_layout(&descriptor)),
-            module: &self.shader(code),
-            entry_point: Some(code.entry),
+            module: &self.shader(module, workgroup),
+            entry_point: Some(module.name()),
             compilation_options: PipelineCompilationOptions {
                 zero_initialize_workgroup_memory: false,
                 ..PipelineCompilationOptions::default()
@@ -118,23 +109,23 @@ impl Gpu {
         })
     }
 
-    fn shader(&self, code: &Code) -> wgpu::ShaderModule {
+    fn shader(&self, module: &Module, workgroup: u32) -> wgpu::ShaderModule {
+        let name = module.name();
         match self.mode() {
             Mode::Exact => {
-                let entry =
-                    PassthroughShaderEntryPoint { name: code.entry.into(), workgroup_size: (code.workgroup, 1, 1) };
+                let entry = PassthroughShaderEntryPoint { name: name.into(), workgroup_size: (workgroup, 1, 1) };
                 let descriptor = ShaderModuleDescriptorPassthrough {
-                    label: Some(code.name),
+                    label: Some(name),
                     entry_points: Cow::Borrowed(&[entry]),
-                    spirv: Some(code.spirv.into()),
+                    spirv: Some(module.spirv().into()),
                     ..ShaderModuleDescriptorPassthrough::default()
                 };
                 // SAFETY: naga wrote it from a module that its validator let pass; loads and stores check their rows.
                 unsafe { self.device.create_shader_module_passthrough(descriptor) }
             }
             Mode::Portable => {
-                let source = ShaderSource::Naga(Cow::Owned(code.module.clone()));
-                let descriptor = ShaderModuleDescriptor { label: Some(code.name), source };
+                let source = ShaderSource::Naga(Cow::Owned(module.ir().clone()));
+                let descriptor = ShaderModuleDescriptor { label: Some(name), source };
                 // SAFETY: the code does what the checks would do: it compares rows, divisors and shifts by itself.
                 unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) }
             }

@@ -10,6 +10,7 @@ use wgpu::{
 use super::device::lock;
 use super::memory::bytes;
 use super::{Error, Gpu, Kernel, MOST_GROUPS, Memory};
+use crate::Binding;
 
 /// Where a launch's words may start: a multiple of so many, for every adapter (256 bytes).
 const ALIGN: usize = 64;
@@ -120,17 +121,20 @@ impl Gpu {
     /// The device is out of memory or lost.
     pub fn warm(&self, kernel: &Kernel) -> Result<Duration, Error> {
         self.wait()?;
-        let bindings = kernel.written.iter().map(|_| self.memory(1)).collect::<Result<Vec<Memory>, Error>>()?;
-        let (spare, results) = (self.memory(1)?, self.memory(1)?);
-        let bound = |binding: &u32| {
-            let memory = (*binding as usize).checked_sub(1).map_or(&spare, |i| &bindings[i]);
-            Bound { memory, start: 0, rows: 0 }
-        };
+        // A memory for each binding, as one may not be bound both to read and to write.
+        let memories = kernel.bindings.iter().map(|_| self.memory(1)).collect::<Result<Vec<Memory>, Error>>()?;
+        let results = self.memory(kernel.results.into())?;
+        let mut buffers = vec![Bound { memory: &results, start: 0, rows: 0 }; kernel.buffers()];
+        for (binding, memory) in kernel.bindings.iter().zip(&memories) {
+            if let Binding::Tables(group) | Binding::Streams(group) = binding {
+                group.iter().for_each(|buf| buffers[buf.index()].memory = memory);
+            }
+        }
         let launch = Launch {
             kernel,
             arguments: vec![0; kernel.arguments as usize],
-            buffers: &kernel.packing.iter().map(bound).collect::<Vec<_>>(),
-            results: kernel.results.then_some(&results),
+            buffers: &buffers,
+            results: (kernel.results > 0).then_some(&results),
             extent: Extent::Items(0),
         };
         let start = Instant::now();
@@ -145,23 +149,26 @@ impl Launch<'_> {
     fn check(&self) -> Result<(), Error> {
         let misfit =
             |why: String| Err(Error::Misfit { what: format!("a launch of the kernel `{}`", self.kernel.name), why });
-        let (arguments, buffers) = (self.kernel.arguments as usize, self.kernel.packing.len());
+        let (arguments, buffers) = (self.kernel.arguments as usize, self.kernel.buffers());
         if self.arguments.len() != arguments {
-            return misfit(format!("it has {} arguments, {arguments} are expected", self.arguments.len()));
+            return misfit(format!("it has {} words of arguments, {arguments} are expected", self.arguments.len()));
         }
         if self.buffers.len() != buffers {
             return misfit(format!("it has {} buffers, the program {buffers}", self.buffers.len()));
         }
-        if self.results.is_some() != self.kernel.results {
-            return misfit("results are given and not expected, or the other way round".into());
+        let room = self.results.map_or(0, Memory::words);
+        if room < self.kernel.results {
+            return misfit(format!("its results take {} words, {room} are there", self.kernel.results));
         }
-        for (buffer, (bound, binding)) in self.buffers.iter().zip(&self.kernel.packing).enumerate() {
-            if *binding > 0 && self.bound(*binding).is_none_or(|memory| memory != bound.memory) {
-                return misfit(format!("buffer {buffer} lies in another memory than the rest of binding {binding}"));
+        for (number, binding) in self.kernel.bindings.iter().enumerate() {
+            let (Binding::Tables(group) | Binding::Streams(group)) = binding else { continue };
+            let holder = self.memory(binding);
+            if let Some(buf) = group.iter().find(|buf| Some(self.buffers[buf.index()].memory) != holder) {
+                return misfit(format!("buffer {} lies in another memory than the rest of binding {number}", buf.0));
             }
-            if bound.start > bound.memory.words() {
-                return misfit(format!("buffer {buffer} starts at word {}, beyond its memory's end", bound.start));
-            }
+        }
+        if let Some(i) = self.buffers.iter().position(|b| b.start > b.memory.words()) {
+            return misfit(format!("buffer {i} starts at word {}, beyond its memory's end", self.buffers[i].start));
         }
         match self.extent {
             Extent::Items(items) => {
@@ -179,16 +186,20 @@ impl Launch<'_> {
         Ok(())
     }
 
-    /// The memory of a binding.
-    fn bound(&self, binding: u32) -> Option<&Memory> {
-        self.kernel.packing.iter().position(|b| *b == binding).map(|i| self.buffers[i].memory)
+    /// The memory of a binding; the launch itself has none of its own.
+    fn memory(&self, binding: &Binding) -> Option<&Memory> {
+        match binding {
+            Binding::Launch => None,
+            Binding::Tables(group) | Binding::Streams(group) => Some(self.buffers[group[0].index()].memory),
+            Binding::Results => self.results,
+        }
     }
 
     /// The grid, if it lies where the launch may write: then it has to be copied, since a dispatch may not do both.
     fn grid_to_copy(&self) -> Option<(&Memory, u32)> {
         let Extent::Indirect { memory, word } = self.extent else { return None };
-        let mut written = (1..).zip(&self.kernel.written).filter(|(_, written)| **written);
-        written.any(|(binding, _)| self.bound(binding) == Some(memory)).then_some((memory, word))
+        let mut written = self.kernel.bindings.iter().filter(|binding| binding.is_written());
+        written.any(|binding| self.memory(binding) == Some(memory)).then_some((memory, word))
     }
 
     /// How many words the kernel sees.
@@ -213,8 +224,8 @@ impl Launch<'_> {
     fn encode(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, launches: &wgpu::Buffer, at: usize) {
         let size = wgpu::BufferSize::new(4 * self.words() as u64);
         let told = BindingResource::Buffer(BufferBinding { buffer: launches, offset: 4 * at as u64, size });
-        let bindings = (1..=self.kernel.written.len() as u32).filter_map(|binding| self.bound(binding));
-        let memories = bindings.chain(self.results).map(|memory| memory.buffer.as_entire_binding());
+        let memories = self.kernel.bindings.iter().filter_map(|binding| self.memory(binding));
+        let memories = memories.map(|memory| memory.buffer.as_entire_binding());
         let numbered = (0..).zip([told].into_iter().chain(memories));
         let entries: Vec<BindGroupEntry> =
             numbered.map(|(binding, resource)| BindGroupEntry { binding, resource }).collect();

@@ -8,10 +8,8 @@
 //!
 //! # What a launch binds
 //!
-//! Group 0, storage buffers of `u32` without gaps between their numbers: binding 0 the *launch*, 1 to n what holds the
-//! program's buffers, then, where the entry has results, the results. The launch is a few words: the arguments, then for each
-//! buffer of the program its first word and its number of rows, then a zero. All launches of a submission travel in one upload,
-//! each at an offset of its own.
+//! Storage buffers as [`crate::Module::bindings`] lists them: the launch, what holds the program's buffers, results. All launches
+//! of a submission travel in one upload, each at an offset of its own.
 //!
 //! # Two modes
 //!
@@ -41,12 +39,9 @@ mod launch;
 pub use adapter::{Adapter, Choice, Kind, NONE, adapters};
 pub use device::{Gpu, Mode};
 pub use error::Error;
-pub use kernel::{Code, Kernel};
+pub use kernel::Kernel;
 pub use launch::{Bound, Extent, Launch, groups};
 pub use memory::Memory;
-
-/// Invocations of a workgroup, all in x; a kernel of one invocation has 1.
-pub const WORKGROUP: u32 = 64;
 
 /// Most workgroups along a side of a grid: what every adapter allows.
 pub const MOST_GROUPS: u32 = 65_535;
