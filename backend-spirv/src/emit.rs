@@ -37,7 +37,7 @@ pub fn emit(program: &Program, entry: &str, options: &Options) -> Result<Module,
     }
 
     let trees = cfg.functions.iter().map(|f| structure(program, f)).collect::<Result<Vec<Vec<Step>>, _>>();
-    let trees = trees.map_err(|fault| Error::Unstructured { kernel: kernel(), fault })?;
+    let trees = trees.map_err(|fault| Error::Unstructured { kernel: kernel(), fault: Box::new(fault) })?;
     let mut scheduler = Scheduler::new(program);
     let schedules: Vec<_> = cfg.functions.iter().map(|f| scheduler.function(f)).collect();
     let structured = text::structured(program, &cfg, &schedules, &trees);

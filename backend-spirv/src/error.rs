@@ -34,7 +34,7 @@ pub enum Error {
         /// The kernel.
         kernel: String,
         /// What, where and what to do.
-        fault: Unstructured,
+        fault: Box<Unstructured>,
     },
     /// Functions that call each other in a circle; GPUs have no stack for them.
     Recursion {
