@@ -7,17 +7,30 @@ use jerboa_lib_render::schema::NONE;
 /// A ray as kernels take it; see [`super::rays::ray`].
 pub type Words = [u32; 10];
 
-/// For each ray the words of its hit; `None` where the processor has no native walk.
+/// For each ray the words of its hit; `None` where the processor has no native walk. With a tree and as the walk chooses,
+/// which finds the same.
 pub fn hits(triangles: &[Triangle], any_hit: bool, rays: &[Words]) -> Option<Vec<[u32; 4]>> {
     if !Native::is_there() {
         println!("no native walk: this processor has no AVX-512");
         return None;
     }
+    let walk = hits_by(&Native::with_tree(triangles, Bounds::EMPTY).0, any_hit, rays);
+    let chosen = hits_by(&Native::new(triangles, Bounds::EMPTY).0, any_hit, rays);
+    for ((walk, chosen), ray) in walk.iter().zip(&chosen).zip(rays) {
+        // Of any hit, only whether there is one has a meaning.
+        let words = if any_hit { 0..0 } else { 0..4 };
+        assert_eq!(walk[0] == NONE, chosen[0] == NONE, "{ray:x?}");
+        assert_eq!(walk[words.clone()], chosen[words], "{ray:x?}");
+    }
+    Some(chosen)
+}
+
+fn hits_by(native: &Native, any_hit: bool, rays: &[Words]) -> Vec<[u32; 4]> {
     // What nobody hands in is no hit that any test expects.
     let mut asked = Asked { rays, next: 0, hits: vec![[NONE - 1; 4]; rays.len()], handed_in: 0 };
-    Native::new(triangles, Bounds::EMPTY).0.trace(&mut Walkers::default(), any_hit, &mut asked);
+    native.trace(&mut Walkers::default(), any_hit, &mut asked);
     assert_eq!(asked.handed_in, rays.len(), "each ray has one hit");
-    Some(asked.hits)
+    asked.hits
 }
 
 struct Asked<'a> {

@@ -11,6 +11,8 @@
 //! the order of visits, as long as triangles and boxes are tested by the same formulas. They are the same, operation by
 //! operation: nothing is contracted, and minimum and maximum give the second operand if either is NaN.
 //!
+//! Over few triangles there is no tree, and sixteen rays at once are tested against one triangle after the other.
+//!
 //! It is there where the processor has what it takes. Whether a hit on a cut-out counts is for a kernel to say, so triangles
 //! that may have holes are in the kernels' tree, the others in this one; the better of two hits is the hit on all.
 
@@ -23,7 +25,7 @@ pub(super) mod streams;
 
 use super::bvh::{Bounds, Dropped, Triangle};
 use crate::schema::NONE;
-use avx512::WideTree;
+use avx512::Triangles;
 
 pub use avx512::Walkers;
 
@@ -68,9 +70,9 @@ pub trait Rays {
     fn done(&mut self, number: u32, hit: Hit);
 }
 
-/// The tree of a scene's triangles for the native walk.
+/// A scene's triangles for the native walk.
 pub struct Native {
-    tree: WideTree,
+    triangles: Triangles,
     is_all: bool,
 }
 
@@ -80,21 +82,36 @@ impl Native {
         avx512::is_there()
     }
 
-    /// The tree over triangles, and which of them are not in it. The rest of the scene lies in a box, [`Bounds::EMPTY`] if this
-    /// is all.
+    /// Triangles made ready, and which of them are left out. The rest of the scene lies in a box, [`Bounds::EMPTY`] if this is
+    /// all.
+    ///
+    /// # Panics
+    /// On processors that never have what it takes.
     pub fn new(triangles: &[Triangle], others: Bounds) -> (Native, Dropped) {
-        let (tree, dropped) = WideTree::new(triangles, others);
-        (Native { tree, is_all: others == Bounds::EMPTY }, dropped)
+        Native::of(triangles, others, usize::MAX)
     }
 
-    /// Are all triangles of the scene in the tree?
+    /// As [`Native::new`], with a tree even over few triangles.
+    ///
+    /// # Panics
+    /// As [`Native::new`].
+    pub fn with_tree(triangles: &[Triangle], others: Bounds) -> (Native, Dropped) {
+        Native::of(triangles, others, 0)
+    }
+
+    fn of(triangles: &[Triangle], others: Bounds, few: usize) -> (Native, Dropped) {
+        let (triangles, dropped) = Triangles::new(triangles, others, few);
+        (Native { triangles, is_all: others == Bounds::EMPTY }, dropped)
+    }
+
+    /// Are all triangles of the scene there?
     pub fn is_all(&self) -> bool {
         self.is_all
     }
 
     /// The box of the scene.
     pub fn bounds(&self) -> Bounds {
-        self.tree.bounds
+        self.triangles.bounds()
     }
 
     /// Traces rays. Where any hit is as good as the nearest, nothing but whether there is one has a meaning.
@@ -102,6 +119,6 @@ impl Native {
     /// # Panics
     /// Unless [`Native::is_there`].
     pub fn trace(&self, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
-        avx512::trace(&self.tree, walkers, any_hit, rays);
+        self.triangles.trace(walkers, any_hit, rays);
     }
 }

@@ -7,14 +7,22 @@ use crate::host::bvh::{Bounds, Dropped, Triangle};
 #[derive(Default)]
 pub struct Walkers;
 
-/// No tree.
-pub(super) struct WideTree {
-    pub bounds: Bounds,
-}
+/// None.
+pub(super) struct Triangles;
 
-impl WideTree {
+impl Triangles {
     /// None can be made.
-    pub fn new(_: &[Triangle], _: Bounds) -> (WideTree, Dropped) {
+    pub fn new(_: &[Triangle], _: Bounds, _: usize) -> (Triangles, Dropped) {
+        panic!("there is no native walk for this processor");
+    }
+
+    /// Of nothing.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::EMPTY
+    }
+
+    /// There is nothing to trace rays in.
+    pub fn trace(&self, _: &mut Walkers, _: bool, _: &mut impl Rays) {
         panic!("there is no native walk for this processor");
     }
 }
@@ -22,9 +30,4 @@ impl WideTree {
 /// Never.
 pub(super) fn is_there() -> bool {
     false
-}
-
-/// There is no tree to trace anything in.
-pub(super) fn trace(_: &WideTree, _: &mut Walkers, _: bool, _: &mut impl Rays) {
-    panic!("there is no native walk for this processor");
 }

@@ -8,9 +8,9 @@ use super::vector::{each, floats, four_floats, four_words};
 use crate::host::bvh::Bounds;
 
 /// See `crate::traverse::line`.
-const GROWTH: f32 = 1.0 / 1_048_576.0;
+pub(super) const GROWTH: f32 = 1.0 / 1_048_576.0;
 /// See `crate::traverse::line`.
-const ULP: f32 = 1.0 / 8_388_608.0;
+pub(super) const ULP: f32 = 1.0 / 8_388_608.0;
 
 /// As [`crate::traverse::line::Line`]: by axis, in cyclic order, the longest of the direction last; the fourth means nothing.
 #[derive(Clone, Copy, Default)]

@@ -1,33 +1,80 @@
-//! The walk by AVX-512: many rays on their way, each in the list of what it does next.
+//! The walk by AVX-512: many rays on their way, each in the list of what it does next. Few triangles take no walk ([`few`]).
 
+mod few;
 mod line;
+mod sixteen;
 mod tree;
 mod triangle;
 mod vector;
 mod walker;
 
 use super::{Ray, Rays};
+use crate::host::bvh::prefilter::usable;
+use crate::host::bvh::{Bounds, Dropped, Triangle};
 use crate::schema::NONE;
+use few::Few;
+use tree::WideTree;
 use vector::prefetch;
 use walker::{Lists, Next};
 
-pub(super) use tree::WideTree;
 pub use walker::Walkers;
 
 /// Does this processor have the instructions?
 pub(super) fn is_there() -> bool {
-    is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
+    is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("popcnt")
+        && is_x86_feature_detected!("bmi1")
 }
 
-/// Traces rays.
-///
-/// # Panics
-/// Where the instructions are not there.
-pub(super) fn trace(tree: &WideTree, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
-    assert!(is_there(), "the native walk takes AVX-512");
-    let walk = Walk { tree, walkers, lists: Lists::new(), rays };
-    // SAFETY: the instructions are there.
-    unsafe { if any_hit { walk.run::<true>() } else { walk.run::<false>() } }
+/// Triangles, as they are traced.
+pub(super) enum Triangles {
+    /// One after the other.
+    Few(Few),
+    /// In a tree.
+    Many(WideTree),
+}
+
+impl Triangles {
+    /// The usable ones of these, and which are not. The rest of the scene lies in a box. Some are few: no more than both that
+    /// number and [`few::MOST`].
+    pub fn new(triangles: &[Triangle], others: Bounds, few: usize) -> (Triangles, Dropped) {
+        let usable = usable(triangles);
+        let made = if usable.numbers.len() <= few.min(few::MOST) {
+            let scene = usable.bounds.iter().fold(others, |all, own| all.union(own));
+            Triangles::Few(Few::new(triangles, &usable.numbers, scene))
+        } else {
+            Triangles::Many(WideTree::new(triangles, &usable, others))
+        };
+        (made, usable.dropped)
+    }
+
+    /// The box of the scene.
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Triangles::Few(few) => few.scene,
+            Triangles::Many(tree) => tree.bounds,
+        }
+    }
+
+    /// Traces rays.
+    ///
+    /// # Panics
+    /// Where the instructions are not there.
+    pub fn trace(&self, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
+        assert!(is_there(), "the native walk takes AVX-512");
+        let desk = &mut walkers.desk;
+        // SAFETY: the instructions are there.
+        unsafe {
+            match (self, any_hit) {
+                (Triangles::Few(few), true) => few.trace::<true>(desk, rays),
+                (Triangles::Few(few), false) => few.trace::<false>(desk, rays),
+                (Triangles::Many(tree), true) => Walk::new(tree, walkers, rays).run::<true>(),
+                (Triangles::Many(tree), false) => Walk::new(tree, walkers, rays).run::<false>(),
+            }
+        }
+    }
 }
 
 /// Finite, and with a direction; as in [`crate::traverse`].
@@ -46,7 +93,11 @@ struct Walk<'a, R> {
     rays: &'a mut R,
 }
 
-impl<R: Rays> Walk<'_, R> {
+impl<'a, R: Rays> Walk<'a, R> {
+    fn new(tree: &'a WideTree, walkers: &'a mut Walkers, rays: &'a mut R) -> Walk<'a, R> {
+        Walk { tree, walkers, lists: Lists::new(), rays }
+    }
+
     /// Until no ray is left. `ANY`: any hit is as good as the nearest.
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,popcnt,bmi1")]
     fn run<const ANY: bool>(mut self) {

@@ -1,9 +1,9 @@
 //! The tree of the native walk: nodes of eight boxes and leaves of eight triangles, each a few whole lines of the cache.
 
 use crate::host::bvh::pages::with_room;
-use crate::host::bvh::prefilter::usable;
+use crate::host::bvh::prefilter::Usable;
 use crate::host::bvh::tree::{Kind, NodeId, Tree};
-use crate::host::bvh::{Bounds, Dropped, Triangle, first_that_fits};
+use crate::host::bvh::{Bounds, Triangle, first_that_fits};
 use crate::schema::NONE;
 
 /// Children of a node, and triangles of a leaf.
@@ -54,11 +54,10 @@ pub(in crate::host::native) struct WideTree {
 }
 
 impl WideTree {
-    /// The tree over triangles, and which of them are not in it. The rest of the scene lies in a box.
-    pub fn new(triangles: &[Triangle], others: Bounds) -> (WideTree, Dropped) {
-        let usable = usable(triangles);
+    /// The tree over the usable ones of triangles. The rest of the scene lies in a box.
+    pub fn new(triangles: &[Triangle], usable: &Usable, others: Bounds) -> WideTree {
         let lay_out = |tree: &Tree| Writer::write(tree, &usable.numbers, triangles, others);
-        (first_that_fits(&usable.bounds, lay_out, |tree| tree.waiting <= MAX_WAITING), usable.dropped)
+        first_that_fits(&usable.bounds, lay_out, |tree| tree.waiting <= MAX_WAITING)
     }
 
     /// The node of a reference.

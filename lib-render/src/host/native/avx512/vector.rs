@@ -49,6 +49,38 @@ pub(super) fn put(row: &mut [u32; 8], v: __m256i) {
     unsafe { _mm256_storeu_si256(row.as_mut_ptr().cast(), v) }
 }
 
+/// Sixteen floats.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn floats_16(row: &[f32; 16]) -> __m512 {
+    // SAFETY: sixteen floats can be read there, at any alignment.
+    unsafe { _mm512_loadu_ps(row.as_ptr()) }
+}
+
+/// Sixteen words.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn words_16(row: &[u32; 16]) -> __m512i {
+    // SAFETY: sixteen words can be read there, at any alignment.
+    unsafe { _mm512_loadu_si512(row.as_ptr().cast()) }
+}
+
+/// Writes sixteen floats.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn put_floats_16(row: &mut [f32; 16], v: __m512) {
+    // SAFETY: sixteen floats can be written there, at any alignment.
+    unsafe { _mm512_storeu_ps(row.as_mut_ptr(), v) }
+}
+
+/// Writes sixteen words.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn put_16(row: &mut [u32; 16], v: __m512i) {
+    // SAFETY: sixteen words can be written there, at any alignment.
+    unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), v) }
+}
+
 /// The lanes.
 #[inline]
 #[target_feature(enable = "avx512f,avx512vl")]

@@ -3,6 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::super::{Hit, Ray};
+use super::few::Desk;
 use super::line::Line;
 use super::tree::{CHILDREN, LEAF, MAX_WAITING, NOTHING, Node, ROOT, WIDTH, row};
 use super::vector::{descending, put, words};
@@ -155,19 +156,24 @@ fn eight(stack: &mut [u32; STACK], at: u32) -> &mut [u32; 8] {
 }
 
 /// All who may be on their way. To be kept between calls: it is some memory.
-pub struct Walkers(Box<[Walker; WALKERS]>);
+pub struct Walkers {
+    all: Box<[Walker; WALKERS]>,
+    /// Where there are few triangles, nobody walks.
+    pub(super) desk: Desk,
+}
 
 impl Default for Walkers {
     fn default() -> Walkers {
         let walkers: Box<[Walker]> = vec![Walker::new(); WALKERS].into();
-        Walkers(walkers.try_into().unwrap_or_else(|_| unreachable!("it has their number")))
+        let all = walkers.try_into().unwrap_or_else(|_| unreachable!("it has their number"));
+        Walkers { all, desk: Desk::default() }
     }
 }
 
 impl Walkers {
     #[inline]
     pub(super) fn walker(&mut self, id: u8) -> &mut Walker {
-        &mut self.0[usize::from(id) % WALKERS]
+        &mut self.all[usize::from(id) % WALKERS]
     }
 }
 
