@@ -375,6 +375,10 @@ table! {
         WIDTH: U32, value;
         /// Height in texels.
         HEIGHT: U32, value;
+        /// Slots of [`EnvironmentColumns`] for each row, as a power of two.
+        LOG_COLUMN_SLOTS: U32, value;
+        /// Slots of [`EnvironmentRows`], likewise.
+        LOG_ROW_SLOTS: U32, value;
         /// Factor on radiance.
         INTENSITY: F32, value;
         /// Cosine of the rotation about +Y.
@@ -393,28 +397,24 @@ table! {
         G: F32, bulk;
         /// Blue.
         B: F32, bulk;
-        /// Nothing: lanes load rows of four words at once.
-        PADDING: F32, bulk;
+        /// Density with which light sampling finds the middle of the texel, per steradian, times sin(theta).
+        DENSITY: F32, bulk;
     }
 }
 
 table! {
-    /// Cumulative probabilities within each row of the environment: width + 1 of them a row, from 0 to 1.
+    /// Slots of alias tables (`host::alias`) that draw a texel of a row of the environment: 2^`LOG_COLUMN_SLOTS` of them a row.
     pub EnvironmentColumns {
-        /// Probability of the texels before this one.
-        CDF: F32, bulk;
-        /// Where the search for a column begins, by the share of [0, 1) that the uniform number lies in.
-        GUIDE: U32, bulk;
+        /// A slot.
+        SLOT: U32, bulk;
     }
 }
 
 table! {
-    /// Cumulative probabilities of the rows of the environment: height + 1 of them, from 0 to 1.
+    /// Slots of the alias table that draws a row of the environment: 2^`LOG_ROW_SLOTS` of them.
     pub EnvironmentRows {
-        /// Probability of the rows before this one.
-        CDF: F32, bulk;
-        /// Where the search for a row begins, likewise.
-        GUIDE: U32, bulk;
+        /// A slot.
+        SLOT: U32, bulk;
     }
 }
 

@@ -235,7 +235,7 @@ fn first_line(p: &Program) -> String {
 const FEATURES: [(&str, &[&str], &str); 8] = [
     ("textures", &["Texels.RGBA", "SrgbCurve.LINEAR"], "textures"),
     ("texture coordinates", &["Uvs.U0"], "textures"),
-    ("environment", &["EnvironmentTexels.R", "EnvironmentRows.CDF", "EnvironmentColumns.CDF"], "environment"),
+    ("environment", &["EnvironmentTexels.R", "EnvironmentRows.SLOT", "EnvironmentColumns.SLOT"], "environment"),
     ("glass", &["Materials.IOR"], "glass"),
     ("metal", &["Materials.ROUGHNESS"], "material-balls"),
     ("KHR_texture_transform", &["Textures.M00", "Textures.M12"], "textures"),

@@ -8,5 +8,6 @@ pub mod math;
 pub mod onb;
 pub mod sampling;
 pub mod cdf;
+pub mod alias;
 pub mod fresnel;
 pub mod microfacet;

@@ -67,6 +67,12 @@ impl Rng {
         (uniform(self.word()), Rng { dim: self.dim + 1u32, ..self })
     }
 
+    /// So many words, all bits of them random, and the position after them.
+    pub fn words<const N: usize>(self) -> ([U32; N], Rng) {
+        let at = |i: u32| Rng { dim: self.dim + i, ..self };
+        (std::array::from_fn(|i| at(i as u32).word()), at(N as u32))
+    }
+
     /// A number in [0, 1) for `thing`, the same whenever and however often it is asked for at this position.
     pub fn of(self, thing: U32) -> F32 {
         uniform(hash(self.word() ^ thing))

@@ -37,6 +37,12 @@ pub fn cosine_hemisphere_pdf(cos: F32) -> F32 {
     cos.max(0.0) * FRAC_1_PI
 }
 
+/// A number of (−1, 1) with density 1 − |x|, by its inversion, which keeps the order; `u` is in (0, 1).
+pub fn tent(u: F32) -> F32 {
+    let a = u * 2.0 - 1.0;
+    (1.0 - (1.0 - a.abs()).sqrt()).copysign(a)
+}
+
 /// Barycentric weights of the second and the third corner, uniform over a triangle.
 ///
 /// Source: Heitz 2019, "A low-distortion map between triangle and square", listing 3.

@@ -19,7 +19,7 @@
 use super::image_io::{Image, luminance};
 
 /// Parts into which the unit interval is divided: the number of distinct uniform numbers.
-const PARTS: u32 = 1 << 24;
+pub const PARTS: u32 = 1 << 24;
 
 /// A distribution over the indices 0 .. n, for example over lights by their power.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,8 +85,8 @@ pub struct Distribution2D {
     pub width: usize,
     /// Which row: `height + 1` cumulative probabilities.
     pub rows: Distribution1D,
-    /// Which column, row by row: `width + 1` cumulative probabilities for each row; uniform in a row that is never drawn.
-    pub columns: Vec<f32>,
+    /// Which column, for each row; uniform in a row that is never drawn.
+    pub columns: Vec<Distribution1D>,
 }
 
 impl Distribution2D {
@@ -104,41 +104,31 @@ impl Distribution2D {
         Distribution2D {
             width,
             rows: Distribution1D::new(&rows.clone().map(|row| row.iter().sum()).collect::<Vec<_>>()),
-            columns: rows.flat_map(|row| Distribution1D::new(row).cdf).collect(),
+            columns: rows.map(Distribution1D::new).collect(),
         }
     }
 
-    /// The distribution that draws directions towards an environment map.
+    /// The distribution that draws texels of an environment map, to choose directions around them.
     ///
-    /// `map` is in latitude and longitude: row 0 is up, u wraps and v clamps. A kernel looks it up bilinearly with
-    /// texel centres at half integers, so within a cell the radiance mixes the texel with its eight neighbours: the
-    /// weight of a cell is the mean luminance of that mixture over the cell (1/8, 6/8, 1/8 along each axis), which is
-    /// positive wherever the mixture is, times the solid angle of the cell's row.
+    /// `map` is in latitude and longitude: row 0 is up, u wraps and v clamps. A kernel looks it up bilinearly with texel
+    /// centres at half integers, so its radiance is a sum of one tent for each texel, two texels wide and high. The weight of
+    /// a texel is its luminance times the solid angle of the tent.
     ///
-    /// With `p` the [`Self::probability`] of a cell, a uniform point in it has density p·width·height per unit
-    /// of (u, v), and its direction p·width·height / (2·pi²·sin(theta)) per steradian.
+    /// A kernel draws a texel and then a point of its tent. With `p` the [`Self::probability`] of a texel, the density of a
+    /// point per unit of (u, v) is p·width·height looked up bilinearly: so it is positive wherever the radiance is, and
+    /// nearly in proportion to it.
     pub fn environment(map: &Image) -> Distribution2D {
         let (width, height) = (map.width as usize, map.height as usize);
         // What is no radiance counts as none.
         let texel = |p: &[f32; 3]| Some(luminance(*p)).filter(|l| l.is_finite()).unwrap_or(0.0).max(0.0);
-        let texels = map.pixels.iter().map(texel).collect::<Vec<_>>();
-        let mean = |before: f64, here: f64, after: f64| 0.125 * before + 0.75 * here + 0.125 * after;
-        let along_row = |y: usize, x: usize| {
-            let row = &texels[y * width..][..width];
-            mean(row[(x + width - 1) % width], row[x], row[(x + 1) % width])
+        let measures = (0..height).map(|y| tent_measure(y, height)).collect::<Vec<_>>();
+        let over = |weight: &dyn Fn(usize) -> f64| {
+            (0..width * height).map(|i| weight(i) * measures[i / width]).collect::<Vec<_>>()
         };
-        let mixed = (0..width * height).map(|i| along_row(i / width, i % width)).collect::<Vec<_>>();
-        let weight = |y: usize, x: usize| {
-            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-            mean(mixed[above * width + x], mixed[y * width + x], mixed[below * width + x]) * row_measure(y, height)
-        };
-        let weights = (0..width * height).map(|i| weight(i / width, i % width)).collect::<Vec<_>>();
-        if weights.iter().all(|w| *w == 0.0) {
-            // A black map: uniform over the sphere.
-            let uniform = (0..width * height).map(|i| row_measure(i / width, height)).collect::<Vec<_>>();
-            return Distribution2D::new(width, &uniform);
-        }
-        Distribution2D::new(width, &weights)
+        let weights = over(&|i| texel(&map.pixels[i]));
+        // A black map: uniform over the sphere.
+        let is_black = weights.iter().all(|w| *w == 0.0);
+        Distribution2D::new(width, &if is_black { over(&|_| 1.0) } else { weights })
     }
 
     /// Number of rows.
@@ -149,17 +139,12 @@ impl Distribution2D {
     /// The cell, `[column, row]`, drawn by two uniform numbers in [0, 1); the second draws the row.
     pub fn sample(&self, [u, v]: [f32; 2]) -> [usize; 2] {
         let row = self.rows.sample(v);
-        [invert(self.columns_of(row), u), row]
+        [self.columns[row].sample(u), row]
     }
 
     /// The probability that the cell `[column, row]` is drawn: a product of two exact factors, rounded once.
     pub fn probability(&self, [column, row]: [usize; 2]) -> f32 {
-        let columns = self.columns_of(row);
-        self.rows.probability(row) * (columns[column + 1] - columns[column])
-    }
-
-    fn columns_of(&self, row: usize) -> &[f32] {
-        &self.columns[row * (self.width + 1)..][..self.width + 1]
+        self.rows.probability(row) * self.columns[row].probability(column)
     }
 }
 
@@ -168,53 +153,15 @@ fn invert(cdf: &[f32], u: f32) -> usize {
     cdf[1..cdf.len() - 1].partition_point(|below| *below <= u)
 }
 
-/// Where the search for what a number draws begins and ends: [0, 1) in as many equal shares as there are indices (Chen and
-/// Asau, *On generating random variates from an empirical distribution*, 1974).
-pub struct Guide {
-    /// The first uniform number of each share, in parts; [`PARTS`] where there is none.
-    firsts: Vec<u32>,
-}
-
-impl Guide {
-    /// For distributions over so many indices.
-    ///
-    /// # Panics
-    /// If there is none, or more than 2^24.
-    pub fn new(count: usize) -> Guide {
-        assert!((1..=PARTS as usize).contains(&count), "Guide::new: {count} indices; it takes 1 to 2^24");
-        let first = |k: usize| {
-            // Rounding puts it one or two beside this.
-            let near = (f64::from(PARTS) * k as f64 / count as f64) as u32;
-            let from = near.saturating_sub(2);
-            (from..PARTS).find(|part| share(*part as f32 / PARTS as f32, count) >= k).unwrap_or(PARTS)
-        };
-        Guide { firsts: (0..count).map(first).collect() }
-    }
-
-    /// One entry more than shares: numbers of share k draw indices from entry k to entry k + 1, those included.
-    pub fn of(&self, cdf: &[f32]) -> Vec<u32> {
-        let last = self.firsts.len() - 1;
-        let mut index = 0;
-        let mut entry = |first: &u32| {
-            let u = *first as f32 / PARTS as f32;
-            while index < last && cdf[index + 1] <= u {
-                index += 1;
-            }
-            index as u32
-        };
-        self.firsts.iter().chain([&PARTS]).map(&mut entry).collect()
-    }
-}
-
-/// The share of [0, 1) that a number lies in, as kernels compute it.
-fn share(u: f32, count: usize) -> usize {
-    ((u * count as f32) as usize).min(count - 1)
-}
-
-/// Solid angle of row `y` of `height` (per radian of azimuth): positive at the poles too, where sin(theta) vanishes.
-fn row_measure(y: usize, height: usize) -> f64 {
-    let cos = |edge: usize| (std::f64::consts::PI * edge as f64 / height as f64).cos();
-    cos(y) - cos(y + 1)
+/// Solid angle of the tent of a texel in row `y` of `height`, per radian of azimuth, in rows: ∫ tent(θ) sin θ dθ, where the
+/// tent falls from 1 at the middle of the row to 0 at the middles of its neighbours, and stays 1 up to a pole.
+fn tent_measure(y: usize, height: usize) -> f64 {
+    let step = std::f64::consts::PI / height as f64;
+    let middle = |rows: f64| (rows + 0.5) * step;
+    let (above, here, below) = (middle(y as f64 - 1.0), middle(y as f64), middle(y as f64 + 1.0));
+    let up = if y == 0 { 1.0 - here.cos() } else { (here.sin() - above.sin()) / step - here.cos() };
+    let down = if y + 1 == height { 1.0 + here.cos() } else { here.cos() - (below.sin() - here.sin()) / step };
+    up + down
 }
 
 #[cfg(test)]
@@ -256,25 +203,6 @@ mod tests {
         check(&Distribution1D::new(&[-1.0, 2.0, f64::NAN]), &[0.0, 2.0, 0.0]);
     }
 
-    #[test]
-    fn a_guide_holds_what_is_drawn() {
-        let uneven = (0..1000).map(|i| f64::from(i * i % 97)).collect::<Vec<_>>();
-        let peak = (0..777).map(|i| if i == 500 { 1e9 } else { f64::from(i % 2) }).collect::<Vec<_>>();
-        for weights in [&[1.0][..], &[0.0, 5.0], &[5.0, 0.0], &[1.0, 2.0, 3.0], &uneven, &peak] {
-            let d = Distribution1D::new(weights);
-            let count = d.count();
-            let guide = Guide::new(count).of(&d.cdf);
-            assert_eq!(guide.len(), count + 1);
-            // Both sides of every edge of a share, and some numbers between.
-            let near = |k: usize| (PARTS as usize * k / count).saturating_sub(3)..PARTS as usize * k / count + 4;
-            let parts = (0..=count).flat_map(near).chain((0..PARTS as usize).step_by(4099));
-            for u in parts.filter(|part| *part < PARTS as usize).map(|part| part as f32 / PARTS as f32) {
-                let (at, drawn) = (share(u, count), d.sample(u) as u32);
-                assert!(guide[at] <= drawn && drawn <= guide[at + 1], "{u} draws {drawn} of {count}");
-            }
-        }
-    }
-
     /// A map of `width`x`height` that is black but for the given texels.
     fn map(width: u32, height: u32, lit: &[(u32, u32, f32)]) -> Image {
         let value = |x, y| lit.iter().find(|l| (l.0, l.1) == (x, y)).map_or(0.0, |l| l.2);
@@ -287,31 +215,38 @@ mod tests {
     }
 
     #[test]
-    fn one_lit_texel_is_drawn_wherever_its_bilinear_footprint_reaches() {
-        // In the first column, so that the footprint wraps around.
-        let d = Distribution2D::environment(&map(8, 6, &[(0, 2, 5.0)]));
-        for (y, x) in (0..6).flat_map(|y| (0..8).map(move |x| (y, x))) {
-            let reached = (1..=3).contains(&y) && [7, 0, 1].contains(&x);
-            assert_eq!(d.probability([x, y]) > 0.0, reached, "column {x}, row {y}");
+    fn texels_count_by_the_solid_angle_of_their_tents() {
+        for height in [1, 2, 4, 1000] {
+            let d = Distribution2D::environment(&Image::from_fn(2, height, |_, _| [2.0; 3]));
+            for y in 0..height as usize {
+                // By the trapezoidal rule. The tents of all rows add up to 1 everywhere.
+                let n = 4000;
+                let tent = |v: f64| {
+                    let at = (v * f64::from(height)).clamp(0.5, f64::from(height) - 0.5);
+                    (1.0 - (at - y as f64 - 0.5).abs()).max(0.0) * (std::f64::consts::PI * v).sin()
+                };
+                let (from, to) = ((y as f64 - 1.0) / f64::from(height), (y as f64 + 2.0) / f64::from(height));
+                let (from, to) = (from.max(0.0), to.min(1.0));
+                let at = |i: usize| tent(from + (to - from) * i as f64 / n as f64);
+                let sum: f64 = (1..n).map(at).sum::<f64>() + (at(0) + at(n)) / 2.0;
+                let ideal = sum * (to - from) / n as f64 * std::f64::consts::PI;
+                assert!((tent_measure(y, height as usize) / ideal - 1.0).abs() < 1e-5, "row {y} of {height}");
+                let (p, ideal) = (f64::from(d.rows.probability(y)), ideal / 2.0);
+                let bound = f64::from(ULP) * (2.0 + f64::from(height) * ideal) + 1e-5 * ideal;
+                assert!((p - ideal).abs() <= bound, "row {y} of {height}");
+            }
+            assert!((total(&d) - 1.0).abs() < 1e-6);
         }
-        // Its own cell has 36 parts in 64 of what the row's solid angles weigh.
-        let ideal = 0.75 * 0.75 * row_measure(2, 6)
-            / (0.125 * row_measure(1, 6) + 0.75 * row_measure(2, 6) + 0.125 * row_measure(3, 6));
-        assert!((f64::from(d.probability([0, 2])) / ideal - 1.0).abs() < 1e-6);
-        assert!((total(&d) - 1.0).abs() < 1e-6);
     }
 
     #[test]
-    fn pole_rows_count_by_their_solid_angle() {
-        let d = Distribution2D::environment(&Image::from_fn(16, 4, |_, _| [2.0; 3]));
-        for y in 0..4 {
-            let share = row_measure(y, 4) / 2.0;
-            assert!((f64::from(d.rows.probability(y)) / share - 1.0).abs() < 1e-6);
+    fn a_texel_is_drawn_if_it_is_lit() {
+        let d = Distribution2D::environment(&map(8, 6, &[(0, 2, 5.0), (3, 0, 1.0)]));
+        for (y, x) in (0..6).flat_map(|y| (0..8).map(move |x| (y, x))) {
+            assert_eq!(d.probability([x, y]) > 0.0, [(0, 2), (3, 0)].contains(&(x, y)), "column {x}, row {y}");
         }
-        // A lit pole clamps there: the row above the top is the top row itself.
-        let pole = Distribution2D::environment(&map(4, 4, &[(1, 0, 1.0)]));
-        let (top, next) = (0.875 * row_measure(0, 4), 0.125 * row_measure(1, 4));
-        assert!((f64::from(pole.rows.probability(0)) / (top / (top + next)) - 1.0).abs() < 1e-6);
+        let (lit, pole) = (5.0 * tent_measure(2, 6), tent_measure(0, 6));
+        assert!((f64::from(d.probability([0, 2])) / (lit / (lit + pole)) - 1.0).abs() < 1e-6);
     }
 
     #[test]
@@ -319,8 +254,7 @@ mod tests {
         let sky = Image::from_fn(64, 32, |x, y| [if (x, y) == (40, 9) { 1e6 } else { 1e-3 }; 3]);
         let d = Distribution2D::environment(&sky);
         assert!((0..32).all(|y| (0..64).all(|x| d.probability([x, y]) > 0.0)));
-        let sun = (8..=10).flat_map(|y| (39..=41).map(move |x| [x, y]));
-        assert!(sun.map(|cell| f64::from(d.probability(cell))).sum::<f64>() > 0.999);
+        assert!(d.probability([40, 9]) > 0.999);
         assert!((total(&d) - 1.0).abs() < 1e-6);
     }
 
@@ -336,7 +270,7 @@ mod tests {
     fn a_black_map_is_uniform_over_the_sphere() {
         let d = Distribution2D::environment(&map(4, 8, &[]));
         for y in 0..8 {
-            let ideal = row_measure(y, 8) / 8.0;
+            let ideal = tent_measure(y, 8) / 8.0;
             assert!((f64::from(d.probability([2, y])) / ideal - 1.0).abs() < 1e-5);
         }
     }

@@ -10,6 +10,7 @@
 //! * [`bvh`]: the tree of boxes over a scene's triangles,
 //! * [`native`]: the walk of the device of streams by hand, for processors that have AVX-512,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
+//! * [`alias`]: the same as a table that is looked at once,
 //! * [`compare`]: how far an image is from a reference, and whether noise explains it,
 //! * [`student`]: the quantiles that this takes,
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
@@ -45,6 +46,7 @@ pub mod rays;
 pub mod effort;
 pub mod figures;
 pub mod distribution;
+pub mod alias;
 pub mod error;
 pub mod film;
 pub mod image_io;

@@ -1,72 +1,67 @@
 //! The environment: radiance from infinitely far away, by a map in latitude and longitude.
 //!
 //! A direction d, turned by the negative rotation about +Y, is looked up at u = 1/2 + atan2(d.x, −d.z) / 2π,
-//! v = acos(d.y) / π (`scenes/SEMANTICS.md`, 11). It is drawn from the table of cell probabilities p of
-//! `host::distribution`, uniformly in (u, v) within a cell; du dv = dω / (2π² sin θ), hence its density is
-//! p · width · height / (2π² sin θ) per steradian.
+//! v = acos(d.y) / π (`scenes/SEMANTICS.md`, 11), bilinearly: so radiance is a sum of tents, one for each texel. A direction
+//! is drawn by drawing a texel, from the alias tables of `host::alias`, and then a point of its tent. So its density is
+//! looked up like radiance, from the fourth word of the texels: the probability p of a texel is a density of
+//! p · width · height per unit of (u, v), and du dv = dω / (2π² sin θ). What is drawn is read where it is weighed.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
+use jerboa_ir::lang::{F32, Fun, Row, U32};
 
-use crate::core::cdf::{invert_guided, remainder};
+use crate::core::alias::draw;
 use crate::core::color::{Color, color};
 use crate::core::math::{acos, atan2, sincos_turns};
 use crate::core::onb::onb;
 use crate::core::rng::Rng;
-use crate::core::sampling::concentric_disk;
+use crate::core::sampling::{concentric_disk, tent};
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::light::{DirectLightSample, EmissionSample, Light, unseen};
 use crate::schema::*;
 use crate::traverse::bvh::scene_bounds;
 
-/// 1 / (2π²): the Jacobian above without its sine.
-const JACOBIAN: f32 = 0.5 * FRAC_1_PI * FRAC_1_PI;
-
 /// The environment as a light.
 pub fn make_environment_light(row: Row<Lights>) -> Light {
-    let draw = |b: &mut Block, rng: Rng| {
-        let (u, rng) = rng.next();
-        let (v, rng) = rng.next();
-        (Map::new().sample(b, vec2(u, v)), rng)
-    };
-    let sample_direct = Fun::lam(move |b: &mut Block, (rng, point): (Rng, Vec3)| {
-        let (sample, _) = draw(b, rng);
+    let sample_direct = Fun::lam(move |_, (rng, point): (Rng, Vec3)| {
+        let (sample, _) = Map::new().sample(rng);
         DirectLightSample {
             wi: sample.dir,
             pos: point,
             distance: F32::from(f32::INFINITY),
-            intensity: Map::new().bilinear(sample.uv),
+            intensity: sample.radiance,
             pdf_dir: sample.pdf * row.get(Lights::PROBABILITY),
             is_delta: false.into(),
             primitive: NONE.into(),
             primitive1: NONE.into(),
         }
     });
-    let sample_emission = Fun::lam(move |b: &mut Block, rng: Rng| {
-        let (sample, rng) = draw(b, rng);
+    let sample_emission = Fun::lam(move |_, rng: Rng| {
+        let (sample, rng) = Map::new().sample(rng);
         let (pos, pdf_area) = behind_scene(row, rng, sample.dir);
-        let intensity = Map::new().bilinear(sample.uv);
+        let intensity = sample.radiance;
         EmissionSample { pos, dir: -sample.dir, intensity, cos: 1.0.into(), pdf_area, pdf_dir: sample.pdf }
     });
     Light { sample_direct, sample_emission, emission: unseen(), has_area: false.into() }
 }
 
-/// Radiance that arrives from a unit direction, world.
-pub fn environment_radiance(dir: Vec3) -> Color {
+/// Radiance that arrives from a unit direction, world, and the density with which light sampling finds the direction, per
+/// steradian, the choice of the light included. The environment is the last of the lights, if it is one (it is not where
+/// its intensity is 0).
+pub fn seen_environment(dir: Vec3) -> (Color, F32) {
     let map = Map::new();
-    map.bilinear(map.uv(dir))
-}
-
-/// Density with which light sampling finds a unit direction, per steradian, the choice of the light included. The
-/// environment is the last of the lights, if it is one (it is not where its intensity is 0).
-pub fn environment_pdf(dir: Vec3) -> F32 {
-    let map = Map::new();
+    let (radiance, density) = map.look_up(map.footprint(map.uv(dir)));
     let count = Row::<Settings>::at(0u32).get(Settings::LIGHT_COUNT);
     let last = Row::<Lights>::at(count.max(1u32) - 1u32);
-    let pdf = map.pdf(map.cell(map.uv(dir)), dir) * last.get(Lights::PROBABILITY);
-    (count.gt(0) & last.get(Lights::KIND).eq(LIGHT_ENVIRONMENT)).select(pdf, 0.0.into())
+    let is_light = count.gt(0) & last.get(Lights::KIND).eq(LIGHT_ENVIRONMENT);
+    let probability = is_light.select(last.get(Lights::PROBABILITY), 0.0.into());
+    let sin_theta = (dir.x * dir.x + dir.z * dir.z).sqrt();
+    (radiance, pdf_dir(density * probability, sin_theta))
+}
+
+/// Density per steradian from that times sin θ; infinite at a pole, but for what is never drawn.
+fn pdf_dir(density: F32, sin_theta: F32) -> F32 {
+    density.gt(0.0).select(density / sin_theta, 0.0.into())
 }
 
 /// For light from infinitely far away that comes from `from` (unit): a point of the disk that the scene's bounding sphere
@@ -92,21 +87,23 @@ struct Map {
     sin: F32,
 }
 
-/// A cell of the distribution.
+/// The four texels around a point, and where it lies between their centres.
 #[derive(Clone, Copy)]
-struct Cell {
-    column: U32,
-    row: U32,
+struct Footprint {
+    columns: [U32; 2],
+    rows: [U32; 2],
+    /// In [0, 1], from the first to the second.
+    between: Vec2,
 }
 
 /// A drawn direction.
 #[derive(Clone, Copy)]
 struct Drawn {
     dir: Vec3,
-    uv: Vec2,
+    radiance: Color,
+    /// Per steradian.
     pdf: F32,
 }
-impl_staged!(Drawn { dir, uv, pdf });
 
 impl Map {
     fn new() -> Map {
@@ -127,70 +124,73 @@ impl Map {
         vec2(0.5 + atan2(x, -z) * (0.5 * FRAC_1_PI), acos(height) * FRAC_1_PI)
     }
 
-    /// The direction at these coordinates.
-    fn direction(self, uv: Vec2) -> Vec3 {
+    /// The texels around a point of [0, 1]²; u wraps, v clamps.
+    fn footprint(self, uv: Vec2) -> Footprint {
+        let (x, y) = (uv.x * self.width.to_f32() - 0.5, uv.y * self.height.to_f32() - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        // One more than the first column and row, so that it is not negative.
+        self.beside((left + 1.0).to_u32(), (top + 1.0).to_u32(), vec2(x - left, y - top))
+    }
+
+    /// The footprint whose second column is this one, or the first of the next turn, and whose second row is this one, or
+    /// beyond the last.
+    fn beside(self, column: U32, row: U32, between: Vec2) -> Footprint {
+        let second = column.lt(self.width).select(column, 0.into());
+        let first = column.eq(0u32).select(self.width, column) - 1u32;
+        let rows = [row.max(1u32) - 1u32, row.min(self.height - 1u32)];
+        Footprint { columns: [first, second], rows, between }
+    }
+
+    /// Radiance, and density times sin θ.
+    fn look_up(self, at: Footprint) -> (Color, F32) {
+        let [top, bottom] = at.rows.map(|row| {
+            let [left, right] = at.columns.map(|column| {
+                let texel = Row::<EnvironmentTexels>::at(row * self.width + column);
+                let [r, g, b] =
+                    [EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B].map(|c| texel.get(c));
+                (color(r, g, b), texel.get(EnvironmentTexels::DENSITY))
+            });
+            mix(left, right, at.between.x)
+        });
+        let (radiance, density) = mix(top, bottom, at.between.y);
+        (radiance * self.intensity, density)
+    }
+
+    /// A direction, by three random words.
+    fn sample(self, rng: Rng) -> (Drawn, Rng) {
+        let ([u, v, w], rng) = rng.words();
+        let table = Row::<Environment>::at(0u32);
+        let row = draw(v, table.get(Environment::LOG_ROW_SLOTS), |i| Row::at(i).get(EnvironmentRows::SLOT));
+        let log_slots = table.get(Environment::LOG_COLUMN_SLOTS);
+        let column = draw(u, log_slots, |i| Row::at((row << log_slots) + i).get(EnvironmentColumns::SLOT));
+        // A point of the texel's tent. Beyond a pole, its mirror image: the texels around it are the same.
+        let (x, y) = (tent(half_word(w >> 16u32)), tent(half_word(w & 0xffffu32)));
+        let place = |i: U32, offset: F32, count: U32| (i.to_f32() + 0.5 + offset) / count.to_f32();
+        let v = place(row, y, self.height).abs();
+        let uv = vec2(place(column, x, self.width), v.min(2.0 - v));
+        let second = |i: U32, offset: F32| offset.lt(0.0).select(i, i + 1u32);
+        let between = |offset: F32| offset.lt(0.0).select(offset + 1.0, offset);
+        let at = self.beside(second(column, x), second(row, y), vec2(between(x), between(y)));
+        let (radiance, density) = self.look_up(at);
+        let (dir, sin_theta) = self.direction(uv);
+        (Drawn { dir, radiance, pdf: pdf_dir(density, sin_theta) }, rng)
+    }
+
+    /// The direction at these coordinates, and sin θ.
+    fn direction(self, uv: Vec2) -> (Vec3, F32) {
         let (sin_phi, cos_phi) = sincos_turns(uv.x - 0.5);
         let (sin_theta, cos_theta) = sincos_turns(uv.y * 0.5);
         let (x, z) = (sin_theta * sin_phi, -(sin_theta * cos_phi));
-        vec3(self.cos * x + self.sin * z, cos_theta, self.cos * z - self.sin * x)
-    }
-
-    /// Radiance between the four texel centres around a point; u wraps, v clamps.
-    fn bilinear(self, uv: Vec2) -> Color {
-        let (width, height) = (self.width.to_f32(), self.height.to_f32());
-        let (x, y) = (uv.x * width - 0.5, uv.y * height - 0.5);
-        let (left, top) = (x.floor(), y.floor());
-        let wrap = |x: F32| x.lt(0.0).select(x + width, x.ge(width).select(x - width, x)).to_u32();
-        let clamp = |y: F32| y.to_u32().min(self.height - 1u32);
-        let at = |x: F32, y: F32| {
-            let texel = Row::<EnvironmentTexels>::at(clamp(y) * self.width + wrap(x));
-            color(texel.get(EnvironmentTexels::R), texel.get(EnvironmentTexels::G), texel.get(EnvironmentTexels::B))
-        };
-        let line = |y: F32| at(left, y).lerp(at(left + 1.0, y), x - left);
-        line(top).lerp(line(top + 1.0), y - top) * self.intensity
-    }
-
-    /// The cell that a point lies in.
-    fn cell(self, uv: Vec2) -> Cell {
-        let index = |x: F32, n: U32| (x * n.to_f32()).to_u32().min(n - 1u32);
-        Cell { column: index(uv.x, self.width), row: index(uv.y, self.height) }
-    }
-
-    /// Density of a unit direction in a cell, per steradian; infinite at a pole.
-    fn pdf(self, cell: Cell, dir: Vec3) -> F32 {
-        let row = row_cdf(cell.row + 1u32) - row_cdf(cell.row);
-        let column = self.column_cdf(cell.row, cell.column + 1u32) - self.column_cdf(cell.row, cell.column);
-        let sin_theta = (dir.x * dir.x + dir.z * dir.z).sqrt();
-        let p = row * column;
-        // A cell that is never drawn has density 0 at a pole too.
-        let pdf = p * self.width.to_f32() * self.height.to_f32() * JACOBIAN / sin_theta;
-        p.gt(0.0).select(pdf, 0.0.into())
-    }
-
-    /// Cumulative probability within a row.
-    fn column_cdf(self, row: U32, column: U32) -> F32 {
-        self.column_entry(row, column).get(EnvironmentColumns::CDF)
-    }
-
-    /// An entry of the table of a row.
-    fn column_entry(self, row: U32, column: U32) -> Row<EnvironmentColumns> {
-        Row::at(row * (self.width + 1u32) + column)
-    }
-
-    /// A direction, by two uniform numbers.
-    fn sample(self, b: &mut Block, u: Vec2) -> Drawn {
-        let row = invert_guided(b, self.height, row_cdf, |share| Row::at(share).get(EnvironmentRows::GUIDE), u.y);
-        let guide = |share| self.column_entry(row, share).get(EnvironmentColumns::GUIDE);
-        let column = invert_guided(b, self.width, |column| self.column_cdf(row, column), guide, u.x);
-        let x = remainder(u.x, self.column_cdf(row, column), self.column_cdf(row, column + 1u32));
-        let y = remainder(u.y, row_cdf(row), row_cdf(row + 1u32));
-        let uv = vec2((column.to_f32() + x) / self.width.to_f32(), (row.to_f32() + y) / self.height.to_f32());
-        let dir = self.direction(uv);
-        Drawn { dir, uv, pdf: self.pdf(Cell { column, row }, dir) }
+        (vec3(self.cos * x + self.sin * z, cos_theta, self.cos * z - self.sin * x), sin_theta)
     }
 }
 
-/// Cumulative probability of the rows.
-fn row_cdf(row: U32) -> F32 {
-    Row::at(row).get(EnvironmentRows::CDF)
+/// Between two texels.
+fn mix(a: (Color, F32), b: (Color, F32), k: F32) -> (Color, F32) {
+    (a.0.lerp(b.0, k), a.1 * (1.0 - k) + b.1 * k)
+}
+
+/// 16 bits as a number in (0, 1): the middle of its step, so that no point is on the rim of a tent.
+fn half_word(bits: U32) -> F32 {
+    (bits.to_f32() + 0.5) * (1.0 / 65_536.0)
 }

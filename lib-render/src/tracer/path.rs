@@ -13,7 +13,7 @@ use crate::core::rng::{DIM_BSDF, DIM_LIGHT, DIM_ROULETTE};
 use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
-use crate::light::environment::{environment_pdf, environment_radiance};
+use crate::light::environment::seen_environment;
 use crate::light::{DirectLightSample, hit_pdf, sample_light};
 use crate::material::Material;
 use crate::mis::power_heuristic;
@@ -109,10 +109,10 @@ fn emitted(b: &mut Block, ray: Ray, hit: Hit, state: RayState, surf: SurfaceElem
 
 /// What the environment adds to a ray that hits nothing.
 fn sky(b: &mut Block, ray: Ray, state: RayState) -> Color {
-    let radiance = |b: &mut Block| {
-        let by_light = b.if_(state.is_specular, |_| F32::from(0.0), |_| environment_pdf(ray.dir));
+    let radiance = |_: &mut Block| {
+        let (radiance, by_light) = seen_environment(ray.dir);
         let weight = state.is_specular.select(F32::from(1.0), power_heuristic(state.pdf_dir, by_light));
-        state.throughput.absorb(environment_radiance(ray.dir)) * weight
+        state.throughput.absorb(radiance) * weight
     };
     b.if_(settings().get(Settings::HAS_ENVIRONMENT), radiance, |_| black())
 }

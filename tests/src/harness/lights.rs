@@ -24,7 +24,7 @@ use jerboa_lib_render::core::vec;
 use jerboa_lib_render::geometry::offset::spawn_shadow_ray;
 use jerboa_lib_render::geometry::{SurfaceElement, make_geometry};
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
-use jerboa_lib_render::light::environment::{environment_pdf, environment_radiance};
+use jerboa_lib_render::light::environment::seen_environment;
 use jerboa_lib_render::light::{choose_light, hit_pdf, sample_light, with_light};
 use jerboa_lib_render::ray::Ray;
 use jerboa_lib_render::schema::{Geometries, Lights, NONE, Primitives, Settings};
@@ -137,7 +137,7 @@ impl Default for LightProbe {
                         },
                         |b| {
                             let has_sky = Row::<Settings>::at(0u32).get(Settings::HAS_ENVIRONMENT);
-                            let sky = |_: &mut _| (environment_radiance(dir), environment_pdf(dir));
+                            let sky = |_: &mut _| seen_environment(dir);
                             let (radiance, pdf) = b.if_(has_sky, sky, |_| (black(), F32::from(0.0)));
                             (radiance, pdf, hit.t, F32::from(1.0))
                         },

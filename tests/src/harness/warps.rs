@@ -5,14 +5,14 @@ use std::f32::consts::FRAC_1_PI;
 
 use jerboa_ir::lang::{Bool, F32};
 use jerboa_lib_render::core::sampling::*;
-use jerboa_lib_render::core::vec::{Vec2, Vec3, vec3};
+use jerboa_lib_render::core::vec::{Vec2, Vec3, vec2, vec3};
 
 /// What a warp fills.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shape {
     /// Directions; the density is per steradian.
     Directions,
-    /// The disk of radius 1; z = 0.
+    /// The disk of radius 1, or the square around it; z = 0.
     Disk,
     /// Weights of two edges of a triangle; z = 0.
     Triangle,
@@ -42,6 +42,11 @@ fn inside(yes: Bool, density: impl Into<F32>) -> F32 {
     yes.select(density.into(), 0.0.into())
 }
 
+/// Not the ends of [0, 1].
+fn off_rim(u: F32) -> F32 {
+    u * 0.999_999 + 5e-7
+}
+
 /// Is a direction within the cone? By the sine where the cosine has no digits.
 fn in_cone(w: Vec3, one_minus_cos: f32) -> Bool {
     let sin2 = one_minus_cos * (2.0 - one_minus_cos) * (1.0 + ROUNDING);
@@ -64,12 +69,18 @@ macro_rules! cone {
 }
 
 /// Every warp.
-pub const WARPS: [Warp; 9] = [
+pub const WARPS: [Warp; 10] = [
     Warp {
         name: "concentric disk",
         shape: Shape::Disk,
         map: |u| flat(concentric_disk(u)),
         pdf: |p| inside(p.dot(p).le(1.0 + ROUNDING), FRAC_1_PI),
+    },
+    Warp {
+        name: "tents",
+        shape: Shape::Disk,
+        map: |u| flat(vec2(tent(off_rim(u.x)), tent(off_rim(u.y)))),
+        pdf: |p| inside(p.abs().max_element().le(1.0), (1.0 - p.x.abs()) * (1.0 - p.y.abs())),
     },
     Warp {
         name: "triangle",

@@ -86,8 +86,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "environment-without-sine",
         file: "lib-render/src/light/environment.rs",
-        before: "p * self.width.to_f32() * self.height.to_f32() * JACOBIAN / sin_theta",
-        after: "p * self.width.to_f32() * self.height.to_f32() * JACOBIAN",
+        before: "density.gt(0.0).select(density / sin_theta, 0.0.into())",
+        after: "density",
         mistake: "the density of a direction to the environment lacks 1 / sin(theta)",
     },
     Mutation {

@@ -8,8 +8,9 @@ use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 
 use super::geometry::Placed;
 use super::memory::{Memory, RowMut, Table};
+use crate::host::alias::{log_slots, slots};
 use crate::host::bvh::{Triangle, can_be_hit};
-use crate::host::distribution::{Distribution1D, Distribution2D, Guide};
+use crate::host::distribution::{Distribution1D, Distribution2D};
 use crate::host::image_io::{Image, luminance};
 use crate::schema::Lights as L;
 use crate::schema::*;
@@ -250,7 +251,7 @@ fn punctual_row(row: &mut RowMut<L>, light: &Light, origin: DVec3) {
     };
 }
 
-/// The environment's tables: the row, texels, columns and rows of its distribution.
+/// The environment's tables: the row, texels, and what draws one of them.
 pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
     use crate::schema::Environment as E;
     let mut row = Table::<E>::new();
@@ -258,26 +259,33 @@ pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
     let (mut columns, mut rows) = (Table::<EnvironmentColumns>::new(), Table::<EnvironmentRows>::new());
     if let Some(e) = environment {
         let (sin, cos) = f64::from(e.rotation_deg).to_radians().sin_cos();
+        let [width, height] = [e.width, e.height].map(|n| n as usize);
+        let [log_columns, log_rows] = [width, height].map(log_slots);
         row.push()
             .set(E::WIDTH, e.width)
             .set(E::HEIGHT, e.height)
+            .set(E::LOG_COLUMN_SLOTS, log_columns)
+            .set(E::LOG_ROW_SLOTS, log_rows)
             .set(E::INTENSITY, e.intensity)
             .set_all([E::ROTATION_COS, E::ROTATION_SIN], [cos as f32, sin as f32]);
-        texels = Table::with_rows(e.radiance.len());
-        for c in &e.radiance {
-            texels.push().set_all([EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B], *c);
-        }
         let image = Image { width: e.width, height: e.height, pixels: e.radiance.clone() };
         let distribution = Distribution2D::environment(&image);
-        let guide = Guide::new(distribution.width);
-        for cdf in distribution.columns.chunks(distribution.width + 1) {
-            for (p, from) in cdf.iter().zip(guide.of(cdf)) {
-                columns.push().set(EnvironmentColumns::CDF, *p).set(EnvironmentColumns::GUIDE, from);
-            }
+        // du dv = dω / (2π² sin θ).
+        let jacobian = width as f64 * height as f64 / (2.0 * std::f64::consts::PI.powi(2));
+        texels = Table::with_rows(width * height);
+        for (i, c) in e.radiance.iter().enumerate() {
+            let density = f64::from(distribution.probability([i % width, i / width])) * jacobian;
+            texels
+                .push()
+                .set_all([EnvironmentTexels::R, EnvironmentTexels::G, EnvironmentTexels::B], *c)
+                .set(EnvironmentTexels::DENSITY, density as f32);
         }
-        let cdf = &distribution.rows.cdf;
-        for (p, from) in cdf.iter().zip(Guide::new(distribution.height()).of(cdf)) {
-            rows.push().set(EnvironmentRows::CDF, *p).set(EnvironmentRows::GUIDE, from);
+        columns = Table::with_rows(height << log_columns);
+        for slot in distribution.columns.iter().flat_map(slots) {
+            columns.push().set(EnvironmentColumns::SLOT, slot);
+        }
+        for slot in slots(&distribution.rows) {
+            rows.push().set(EnvironmentRows::SLOT, slot);
         }
     }
     [row.finish(), texels.finish(), columns.finish(), rows.finish()]

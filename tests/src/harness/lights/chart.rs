@@ -28,10 +28,11 @@ const CELLS: usize = 8;
 const ROUNDED: f64 = 1e-6;
 
 impl Chart {
-    /// Cells along each coordinate: several to a texel where there are few.
+    /// Cells along each coordinate: of a map an even number to a texel, at whose middle its density bends, and several where
+    /// there are few.
     fn grid(&self) -> [usize; 2] {
         match self {
-            Chart::Map(map) => [map.width, map.height].map(|n| n as usize * CELLS.div_ceil(n as usize)),
+            Chart::Map(map) => [map.width, map.height].map(|n| 2 * n as usize * CELLS.div_ceil(2 * n as usize)),
             _ => [CELLS; 2],
         }
     }
