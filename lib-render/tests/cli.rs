@@ -325,6 +325,21 @@ fn devices_lists_cpus_gpus_and_what_auto_takes() {
     }
 }
 
+/// Where a device needs a GPU and there is none: one line that says what would help, and exit code 1.
+#[test]
+fn without_a_driver_a_gpu_is_refused() {
+    let nowhere = "/nonexistent";
+    for words in ["render -o a.png --device gpu-megakernel", "time builtin:tiny --device gpu-wavefront"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_jerboa"));
+        command.env("VK_DRIVER_FILES", nowhere).env("VK_ICD_FILENAMES", nowhere);
+        let out = command.args(words.split_whitespace()).output().expect("the command starts");
+        let told = String::from_utf8_lossy(&out.stderr);
+        let help = if cfg!(feature = "gpu") { "mesa-vulkan-drivers" } else { "cargo feature" };
+        let is_right = told.lines().count() == 1 && told.contains(help);
+        assert!(!cfg!(target_os = "linux") || (out.status.code() == Some(1) && is_right), "{words}: {told}");
+    }
+}
+
 #[test]
 fn bench_table_3_counts_the_sources() {
     let sources = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
@@ -377,6 +392,12 @@ fn dumps_read_back_and_verify() {
     }
     assert!(desk.ok("dump builtin:cornell-box --stage clif --kernel depth").contains("function "));
     assert!(desk.ok("dump builtin:cornell-box --stage asm --kernel depth").contains("ret"));
+    if cfg!(feature = "gpu") {
+        for (stage, word) in [("structured", "loop"), ("naga", "@compute"), ("spirv", "OpEntryPoint")] {
+            let text = desk.ok(&format!("dump builtin:cornell-box --stage {stage} --kernel wavefront_scan"));
+            assert!(text.contains(word), "{stage}: {text}");
+        }
+    }
     let all = desk.ok("dump builtin:cornell-box --stage residual");
     let entries = |kernel: &str| all.lines().filter(|l| l.starts_with(&format!("entry {kernel} ="))).count();
     assert_eq!(["generate", "trace", "shade", "miss", "shadow", "path"].map(entries), [1, 1, 3, 1, 1, 0]);

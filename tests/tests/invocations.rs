@@ -12,7 +12,7 @@ use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::error::Error;
 use jerboa_lib_render::host::film::{Film, Window};
 use jerboa_lib_render::host::generate::{Generated, Keep, TracerKind, every_gpu_entry, generate, gpu_generic};
-use jerboa_lib_render::host::gpu::{Device, Extent, Launch, Machine, Schedule, wavefront};
+use jerboa_lib_render::host::gpu::{Device, Extent, Launch, Machine, Schedule};
 use jerboa_lib_render::host::renderer::{Handle, Options, Renderer};
 use jerboa_lib_render::host::tables::memory::Memory;
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables, frame};
@@ -23,7 +23,7 @@ use jerboa_scenes::{Scene, builtin};
 struct OneByOne {
     kernels: Vec<Arc<Generated>>,
     memory: Vec<Memory>,
-    slots: u32,
+    most_bytes: u64,
     /// Launches so far, and invocations.
     launched: [u64; 2],
 }
@@ -61,8 +61,8 @@ impl OneByOne {
 }
 
 impl Machine for OneByOne {
-    fn most_slots(&self) -> u32 {
-        self.slots
+    fn most_bytes(&self) -> u64 {
+        self.most_bytes
     }
 
     fn reserve(&mut self, rows: &[(usize, u32)]) -> Result<(), Error> {
@@ -94,23 +94,20 @@ fn load(name: &str) -> Scene {
     Scene::load(format!("builtin:{name}")).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-/// The device with this many slots for paths.
-fn device(kind: DeviceKind, tables: &Tables, tracer: TracerKind, slots: u32) -> Device<OneByOne> {
+/// The device with memories of so many bytes at most.
+fn device(kind: DeviceKind, tables: &Tables, tracer: TracerKind, most_bytes: u64) -> Device<OneByOne> {
     let requests = kind.requests(tables, tracer);
     let kernels = generate(tables, &requests, Keep::default()).unwrap_or_else(|e| panic!("{e}")).kernels;
-    let schedule = match kind {
-        DeviceKind::GpuMegakernel => Schedule::Megakernel,
-        _ => Schedule::Wavefront { classes: (kernels.len() - wavefront::STAGES.len()) as u32 },
-    };
+    let schedule = Schedule::of(kind, kernels.len());
     let memory = tables.memory.iter().map(|m| Memory::clone(m)).collect();
-    Device::new(OneByOne { kernels, memory, slots, launched: [0; 2] }, schedule)
+    Device::new(OneByOne { kernels, memory, most_bytes, launched: [0; 2] }, schedule)
 }
 
 const WINDOW: Window = Window { x: 3, y: 2, width: 10, height: 12 };
 const SIZE: [u32; 2] = [16, 16];
 
 /// The same film and the same numbers of rays as on the CPU.
-fn agree(name: &str, known: Known, tracer: TracerKind, slots: u32) {
+fn agree(name: &str, known: Known, tracer: TracerKind, most_bytes: u64) {
     let scene = load(name);
     let camera = scene.camera_or_default();
     let options = Options { known, tracer, spp: 3, seed: 5, ..Options::default() };
@@ -120,8 +117,8 @@ fn agree(name: &str, known: Known, tracer: TracerKind, slots: u32) {
     // The native walk has a tree of its own.
     let tables = Tables::new(&scene, &Choices::default(), known);
     for kind in [DeviceKind::GpuMegakernel, DeviceKind::GpuWavefront] {
-        let what = format!("{name}, {known:?}, {tracer:?}, {kind:?}, {slots} slots");
-        let mut device = device(kind, &tables, tracer, slots);
+        let what = format!("{name}, {known:?}, {tracer:?}, {kind:?}, {most_bytes} bytes");
+        let mut device = device(kind, &tables, tracer, most_bytes);
         let mut film = Film::crop(SIZE, WINDOW);
         let mut rays = [0; 2];
         // As the renderer cuts them.
@@ -141,21 +138,21 @@ fn agree(name: &str, known: Known, tracer: TracerKind, slots: u32) {
 #[test]
 fn both_devices_leave_the_film_of_the_cpu() {
     for name in ["cornell-box", "alpha", "material-balls"] {
-        agree(name, Known::Structure, TracerKind::Path, 1 << 12);
+        agree(name, Known::Structure, TracerKind::Path, u64::MAX);
     }
 }
 
-/// Fewer slots than paths: new paths start behind those that go on.
+/// A GPU with little memory: some pieces a pass.
 #[test]
-fn paths_that_end_make_room() {
-    agree("cornell-box", Known::Structure, TracerKind::Path, 50);
+fn pieces_make_up_the_film() {
+    agree("cornell-box", Known::Structure, TracerKind::Path, 50 * 256);
 }
 
 #[test]
 fn what_is_known_and_shown_does_not_matter() {
-    agree("textures", Known::Nothing, TracerKind::Path, 1 << 12);
-    agree("empty", Known::All, TracerKind::Normals, 1 << 12);
-    agree("textures", Known::Structure, TracerKind::Albedo, 1 << 12);
+    agree("textures", Known::Nothing, TracerKind::Path, u64::MAX);
+    agree("empty", Known::All, TracerKind::Normals, u64::MAX);
+    agree("textures", Known::Structure, TracerKind::Albedo, u64::MAX);
 }
 
 /// A pass that is cancelled adds no part of a piece.
@@ -167,7 +164,7 @@ fn a_cancelled_pass_leaves_whole_pieces() {
     let frame = frame(&scene.camera_or_default(), tables.origin, &pass).words;
     let handle = Handle::default();
     handle.cancel();
-    let mut device = device(DeviceKind::GpuWavefront, &tables, TracerKind::Path, 1 << 12);
+    let mut device = device(DeviceKind::GpuWavefront, &tables, TracerKind::Path, u64::MAX);
     let mut film = Film::crop(SIZE, WINDOW);
     let (complete, rays) = device.pass(&mut film, &pass, &frame, &handle).expect("it runs");
     assert!(!complete && rays == [0; 2] && film == Film::crop(SIZE, WINDOW) && device.machine().launched == [0; 2]);

@@ -105,11 +105,17 @@ pub enum KnownArg {
 /// Where kernels run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum DeviceArg {
-    /// All cores: streams of paths, sorted by shader
+    /// `gpu-wavefront` where there is a GPU, `cpu` otherwise
     #[default]
+    Auto,
+    /// All cores: streams of paths, sorted by shader
     Cpu,
     /// All cores, one path after the other
     CpuScalar,
+    /// A GPU, or a driver that stands in for one: all samples of a pixel in one kernel
+    GpuMegakernel,
+    /// A GPU likewise: streams of paths, sorted by shader
+    GpuWavefront,
 }
 
 /// Who finds what rays hit on the device `cpu` (it never changes the image).
@@ -159,6 +165,12 @@ pub enum StageArg {
     Clif,
     /// The machine code
     Asm,
+    /// The control flow of a kernel for GPUs
+    Structured,
+    /// What naga is given, as WGSL
+    Naga,
+    /// What a driver is given
+    Spirv,
 }
 
 /// A pixel: column and row, from the top left.
@@ -310,6 +322,9 @@ pub struct DumpArgs {
 pub struct TimeArgs {
     /// A .gltf or .glb file, or builtin:NAME
     pub scene: String,
+    /// For which device
+    #[arg(long, value_name = "DEVICE", value_enum, default_value_t = DeviceArg::Cpu)]
+    pub device: DeviceArg,
     /// Print the times as JSON
     #[arg(long)]
     pub json: bool,

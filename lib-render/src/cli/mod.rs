@@ -8,6 +8,7 @@ pub mod faults;
 mod scene;
 mod render;
 mod inspect;
+mod time;
 mod trace;
 mod compare;
 mod devices;
@@ -45,7 +46,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
     match command {
         Command::Render(args) => print(&render::run(&args)?),
         Command::Dump(args) => print(&inspect::dump(&args)?),
-        Command::Time(args) => print(&inspect::time(&args)?),
+        Command::Time(args) => print(&time::run(&args)?),
         Command::Explain(args) => print(&inspect::explain(&args)?),
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),

@@ -9,6 +9,7 @@ use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TracerArg,
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::generate::TracerKind;
+use crate::host::gpu;
 use crate::host::tables::{Choices, Known};
 
 impl From<KnownArg> for Known {
@@ -31,10 +32,14 @@ impl From<TraversalArg> for Traversal {
 }
 
 impl From<DeviceArg> for DeviceKind {
+    /// May have to look whether there is a GPU.
     fn from(arg: DeviceArg) -> DeviceKind {
         match arg {
-            DeviceArg::Cpu => DeviceKind::Cpu,
+            DeviceArg::Auto if gpu::is_there() => DeviceKind::GpuWavefront,
+            DeviceArg::Auto | DeviceArg::Cpu => DeviceKind::Cpu,
             DeviceArg::CpuScalar => DeviceKind::CpuScalar,
+            DeviceArg::GpuMegakernel => DeviceKind::GpuMegakernel,
+            DeviceArg::GpuWavefront => DeviceKind::GpuWavefront,
         }
     }
 }

@@ -85,12 +85,25 @@ impl Renderer {
         let Options { choices, known, .. } = self.options;
         let tables = self.tables.changed(scene, &choices, known, change);
         let mut work = thread_time().saturating_sub(thread_start);
+        if self.options.device.is_gpu() {
+            return self.made_anew(tables, start, work);
+        }
         let [kernels, made] = self.remake(&tables)?;
         work += made.iter().map(|k| k.specialize_time + k.codegen_time).sum::<Duration>();
-        let device = Device::new(kernels, &self.options)?;
+        let device = Device::new(kernels, &self.options);
         let compiled = made.iter().filter(|k| k.codegen_time > Duration::ZERO).map(|k| k.name.clone()).collect();
         let kernels = made.into_iter().map(|k| k.name.clone()).collect();
         Ok((Renderer { tables, device, ..*self }, Edit { kernels, compiled, time: start.elapsed(), work }))
+    }
+
+    /// The renderer for changed tables on a GPU: no kernel is kept.
+    fn made_anew(&self, tables: Tables, start: Instant, work: Duration) -> Result<(Renderer, Edit), Error> {
+        let (device, specialize_time, codegen_time) = Device::made(&tables, &self.options)?;
+        let requests = self.options.device.requests(&tables, self.options.tracer);
+        let kernels: Vec<String> = requests.into_iter().map(|r| r.name).collect();
+        let work = work + specialize_time + codegen_time;
+        let edit = Edit { compiled: kernels.clone(), kernels, time: start.elapsed(), work };
+        Ok((Renderer { tables, device, ..*self }, edit))
     }
 
     /// How far a change of a part reaches.

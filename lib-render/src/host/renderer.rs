@@ -1,7 +1,7 @@
 //! A renderer in this process: load a scene, specialise, render.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use jerboa_scenes::{Camera, Scene};
@@ -11,8 +11,9 @@ use super::device::{DeviceKind, Traversal};
 use super::error::Error;
 use super::film::Film;
 use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
+use super::gpu::{self, RealMachine, Schedule};
 use super::scalar;
-use super::tables::{Choices, Known, Pass, Tables};
+use super::tables::{Choices, Known, Pass, Tables, frame};
 use super::wave::Wave;
 use super::work::{Tiles, Whole, Work};
 
@@ -80,7 +81,7 @@ pub struct Renderer {
     pub tables_time: Duration,
     /// Wall time of specialisation, and of waiting for the generic program where this is the first renderer of the process.
     pub specialize_time: Duration,
-    /// Wall time of code generation.
+    /// Wall time of code generation; on a GPU with that of the driver's pipelines.
     pub codegen_time: Duration,
 }
 
@@ -88,18 +89,30 @@ pub struct Renderer {
 pub(super) enum Device {
     Cpu(Wave),
     CpuScalar(Arc<Generated>),
+    /// One render at a time.
+    Gpu(Mutex<gpu::Device<RealMachine>>),
 }
 
 impl Device {
-    /// Kernels as [`DeviceKind::requests`] lists them.
-    pub(super) fn new(mut kernels: Vec<Arc<Generated>>, options: &Options) -> Result<Device, Error> {
+    /// Kernels as [`DeviceKind::requests`] lists them, for a device of the CPU.
+    pub(super) fn new(mut kernels: Vec<Arc<Generated>>, options: &Options) -> Device {
         match options.device {
-            DeviceKind::Cpu => Ok(Device::Cpu(Wave::new(kernels, options.cut.slots))),
-            DeviceKind::CpuScalar => Ok(Device::CpuScalar(kernels.remove(0))),
-            DeviceKind::GpuMegakernel | DeviceKind::GpuWavefront => {
-                Err(Error::new("a GPU cannot be used yet: choose the device cpu"))
-            }
+            DeviceKind::CpuScalar => Device::CpuScalar(kernels.remove(0)),
+            _ => Device::Cpu(Wave::new(kernels, options.cut.slots)),
         }
+    }
+
+    /// The device for these tables, and the wall times of specialisation and of code generation.
+    pub(super) fn made(tables: &Tables, options: &Options) -> Result<(Device, Duration, Duration), Error> {
+        let requests = options.device.requests(tables, options.tracer);
+        if options.device.is_gpu() {
+            let machine = RealMachine::new(tables, &requests, options.keep)?;
+            let times = (machine.specialize_time, machine.emit_time + machine.pipeline_time);
+            let device = gpu::Device::new(machine, Schedule::of(options.device, requests.len()));
+            return Ok((Device::Gpu(Mutex::new(device)), times.0, times.1));
+        }
+        let Kernels { kernels, specialize_time, codegen_time } = generate(tables, &requests, options.keep)?;
+        Ok((Device::new(kernels, options), specialize_time, codegen_time))
     }
 }
 
@@ -164,7 +177,8 @@ impl Renderer {
     /// Lay out the scene, specialise the renderer for it and compile it.
     ///
     /// # Errors
-    /// When the evaluator or the code generator gives up: a fault of Jerboa, not of the scene.
+    /// When the evaluator or the code generator gives up: a fault of Jerboa, not of the scene; or there is no GPU, or one too
+    /// small for the scene, where one is asked for.
     pub fn new(scene: &Scene, options: Options) -> Result<Renderer, Error> {
         let start = Instant::now();
         let traversal = match options.device {
@@ -176,9 +190,7 @@ impl Renderer {
         let ((tables, laid_out), _) = rayon::join(lay_out, || options.device.generic());
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
         let waited = laid_out.elapsed();
-        let requests = options.device.requests(&tables, options.tracer);
-        let Kernels { kernels, specialize_time, codegen_time } = generate(&tables, &requests, options.keep)?;
-        let device = Device::new(kernels, &options)?;
+        let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
         let specialize_time = waited + specialize_time;
         Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
     }
@@ -188,11 +200,12 @@ impl Renderer {
         &self.tables
     }
 
-    /// The device's kernels, their residuals and reports, as [`DeviceKind::requests`] lists them.
+    /// The kernels of a device of the CPU, their residuals and reports, as [`DeviceKind::requests`] lists them; none of a GPU's.
     pub fn kernels(&self) -> &[Arc<Generated>] {
         match &self.device {
             Device::Cpu(wave) => wave.kernels(),
             Device::CpuScalar(kernel) => std::slice::from_ref(kernel),
+            Device::Gpu(_) => &[],
         }
     }
 
@@ -210,7 +223,7 @@ impl Renderer {
     /// Add these samples, with a handle on it. A cancelled render is no error: the film holds what was done.
     ///
     /// # Errors
-    /// When the samples reach beyond 2^32, or a kernel gives up: a fault of Jerboa.
+    /// When the samples reach beyond 2^32, a kernel gives up: a fault of Jerboa, or the GPU is lost or out of memory.
     pub fn render_with(&self, camera: &Camera, film: &mut Film, job: Render, handle: &Handle) -> Result<Stats, Error> {
         if job.sample.checked_add(job.spp).is_none() {
             let Render { sample, spp, .. } = job;
@@ -244,6 +257,11 @@ impl Renderer {
         pass: Pass,
         handle: &Handle,
     ) -> Result<(bool, [u64; 2]), Error> {
+        if let Device::Gpu(device) = &self.device {
+            let frame = frame(camera, self.tables.origin, &pass).words;
+            let mut device = device.lock().unwrap_or_else(PoisonError::into_inner);
+            return device.pass(film, &pass, &frame, handle);
+        }
         let tiles = Tiles::new(camera, self.tables.origin, pass, self.options.cut.tile, film, handle);
         (0..rayon::current_num_threads())
             .into_par_iter()
@@ -255,7 +273,7 @@ impl Renderer {
     /// What the device leaves for each sample of a pass: the words of the stream [`crate::schema::Samples`], column by column.
     ///
     /// # Errors
-    /// When a kernel gives up: a fault of Jerboa.
+    /// When a kernel gives up: a fault of Jerboa; or on a GPU, which leaves sums of pixels.
     pub fn samples(&self, camera: &Camera, pass: &Pass) -> Result<Vec<u32>, Error> {
         let mut work = Whole::new(camera, self.tables.origin, pass);
         self.run(&mut work)?;
@@ -267,6 +285,7 @@ impl Renderer {
         match &self.device {
             Device::Cpu(wave) => wave.run(&self.tables, work),
             Device::CpuScalar(kernel) => scalar::run(kernel, &self.tables, work),
+            Device::Gpu(_) => Err(Error::new("a GPU leaves sums of pixels, no samples: ask a device of the CPU")),
         }
     }
 }

@@ -12,15 +12,23 @@
 
 pub mod megakernel;
 pub mod wavefront;
+pub mod packing;
+#[cfg(feature = "gpu")]
+mod real;
+#[cfg(not(feature = "gpu"))]
+#[path = "none.rs"]
+mod real;
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
+use super::device::DeviceKind;
 use super::error::Error;
 use super::film::Film;
 use super::renderer::Handle;
 use super::tables::Pass;
 use crate::schema::{Pixels, binding};
+pub use real::*;
 
 /// One launch of a kernel.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -46,8 +54,8 @@ pub enum Extent {
 
 /// What runs kernels of one scene, and holds its tables and their streams.
 pub trait Machine {
-    /// Most paths that its memory has room for at a time.
-    fn most_slots(&self) -> u32;
+    /// Most bytes of a memory; several streams share one.
+    fn most_bytes(&self) -> u64;
 
     /// Have at least so many rows in these streams, by binding number. What they hold may be lost.
     ///
@@ -86,6 +94,16 @@ pub enum Schedule {
     },
 }
 
+impl Schedule {
+    /// Of a device on a GPU that has so many kernels.
+    pub fn of(kind: DeviceKind, kernels: usize) -> Schedule {
+        match kind {
+            DeviceKind::GpuWavefront => Schedule::Wavefront { classes: (kernels - wavefront::STAGES.len()) as u32 },
+            _ => Schedule::Megakernel,
+        }
+    }
+}
+
 /// Consecutive pixels of a pass.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Piece {
@@ -101,8 +119,10 @@ pub struct Piece {
 const BRISK: Duration = Duration::from_millis(100);
 /// Samples of the first piece: a tenth of a second on a slow machine.
 const FIRST_SAMPLES: u32 = 1 << 14;
-/// Most samples of a piece: enough to fill the largest GPU some times over.
-const MOST_SAMPLES: u32 = 1 << 22;
+/// Most samples of a piece, and most paths in flight: enough to fill a large GPU some times over.
+const MOST_SAMPLES: u32 = 1 << 20;
+/// Bytes of a memory for each sample of a piece: no less than samples, pixels and paths in flight take in any one of them.
+const BYTES: u64 = 256;
 
 /// A machine with a way to schedule.
 pub struct Device<M> {
@@ -139,7 +159,8 @@ impl<M: Machine> Device<M> {
         let (area, samples, mut rays) = (pass.window.area() as u32, pass.samples, [0; 2]);
         let mut first = 0;
         while first < area {
-            let pixels = (self.samples / samples).clamp(1, area - first);
+            let room = (self.machine.most_bytes() / BYTES).min(MOST_SAMPLES.into()) as u32;
+            let pixels = (self.samples.min(room) / samples).clamp(1, area - first);
             let piece = Piece { first, pixels, samples };
             let start = Instant::now();
             if handle.is_cancelled() || !self.trace(piece, handle)? {
@@ -167,6 +188,11 @@ impl<M: Machine> Device<M> {
             Schedule::Wavefront { classes } => wavefront::trace(&mut self.machine, classes, piece, handle),
         }
     }
+}
+
+/// Why a build without the feature `gpu` cannot do what it is asked for.
+pub fn without_feature() -> Error {
+    Error::new("this build has no code for GPUs: build it with the cargo feature `gpu`")
 }
 
 /// Add a row of [`Pixels`] to the film.

@@ -48,7 +48,8 @@ const WAVES: usize = 4;
 /// When the device has no memory or is lost.
 pub fn trace(machine: &mut impl Machine, classes: u32, piece: Piece, handle: &Handle) -> Result<bool, Error> {
     let items = piece.pixels * piece.samples;
-    let slots = items.min(machine.most_slots());
+    // Half of the paths wait until others have ended, so that waves stay full for longer.
+    let slots = items.div_ceil(2);
     machine.reserve(&streams(classes, piece, slots))?;
     let (mut given, mut rows, mut swapped) = (0, 0, false);
     loop {
