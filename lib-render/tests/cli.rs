@@ -353,6 +353,34 @@ fn bench_table_3_counts_the_sources() {
     }
 }
 
+/// A speed stands beside how far its images are from the CPU's, and a software driver's is not called a GPU's.
+#[test]
+fn bench_devices_tells_speed_and_whether_images_are_equal() {
+    let desk = Desk::new();
+    let report = desk.json("bench devices builtin:cornell-box --width 8 --height 8 --spp 1 --rounds 1 --json");
+    let group = &report["charts"][0]["groups"][0];
+    let bar = |name: &str| group["bars"].as_array().expect("a list").iter().find(|b| b["series"] == name).cloned();
+    for device in ["cpu", "cpu-scalar"] {
+        assert!(bar(device).is_some_and(|b| b["median"].as_f64() > Some(0.0)), "{report}");
+    }
+    assert_eq!(group["notes"]["cpu-scalar off"], 0.0);
+    let remarks: Vec<&str> = report["remarks"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    assert!(remarks.contains(&"cpu-scalar: all images equal those of cpu, bit for bit"), "{remarks:?}");
+    let adapters = desk.json("devices --json")["adapters"].as_array().expect("a list").clone();
+    let real = adapters.iter().any(|a| a["kind"].as_str().is_some_and(|k| k.ends_with("GPU")) && a["unfit"].is_null());
+    let start = match adapters.first() {
+        None if cfg!(feature = "gpu") => "no GPU and no driver",
+        None => "this build has no code for GPUs",
+        Some(_) if real => "GPU devices run on `",
+        Some(_) => "no GPU speed is claimed: ",
+    };
+    assert!(remarks[0].starts_with(start), "{remarks:?}");
+    for device in ["gpu-megakernel", "gpu-wavefront"] {
+        let why = remarks.iter().any(|r| r.starts_with(&format!("{device}: ")));
+        assert!(why, "{device} ran or it is said why not: {remarks:?}");
+    }
+}
+
 #[test]
 fn bench_stability_tells_speed_and_error_and_shows_pictures() {
     let desk = Desk::new();

@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
-pub use super::figures::{BatchArgs, Figure2Args, Figure5Args, OutputArgs, RenderedArgs, Table2Args};
+pub use super::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, OutputArgs, RenderedArgs, Table2Args};
 
 /// A path tracer that specialises itself for the scene it is given. Of a word given twice, the last counts.
 #[derive(Debug, Parser)]
@@ -55,6 +55,11 @@ pub enum BenchCommand {
     /// random order, and to lights. `--write` leaves the sets in files, for other tracers: per ray eight 32-bit floats, origin, 0,
     /// direction, end.
     Rays(RaysArgs),
+    /// Render on each device, CPU and GPU: millions of samples a second, and how far the images are from the CPU's
+    ///
+    /// All take turns in each round, after one that warms up. Says on which GPU, and whether it is one: a software driver's speed
+    /// is no GPU's.
+    Devices(BenchDevicesArgs),
     /// Edit a material while the scene is rendered: milliseconds until it is seen
     ///
     /// A line for each kind of edit, in milliseconds, the first one and the median: the work of making the new renderer, the time

@@ -60,6 +60,21 @@ fn adapters() -> (Vec<Adapter>, &'static str) {
     (Vec::new(), "this build has no code for GPUs: build it with the cargo feature `gpu`")
 }
 
+/// A line that says on what GPU devices run here, and that a software driver's speed is no GPU's.
+pub(super) fn what_runs_kernels() -> String {
+    let (adapters, none) = adapters();
+    match adapters.iter().find(|a| a.unfit.is_none()).or(adapters.first()) {
+        None => none.into(),
+        Some(Adapter { name, unfit: Some(why), .. }) => format!("nothing runs on `{name}`: {why}"),
+        Some(Adapter { name, kind, system, driver, is_gpu, .. }) => match is_gpu {
+            true => format!("GPU devices run on `{name}`: {kind} through {system}, driver {driver}"),
+            false => format!(
+                "no GPU speed is claimed: GPU devices run on `{name}`, {kind} through {system}, and not on a GPU"
+            ),
+        },
+    }
+}
+
 /// The device that `--device auto` takes, and why.
 fn auto(adapters: &[Adapter]) -> (&'static str, &'static str) {
     match adapters.iter().any(|a| a.is_gpu && a.unfit.is_none()) {

@@ -72,6 +72,20 @@ pub struct Table2Args {
     pub output: OutputArgs,
 }
 
+/// Words of `jerboa bench devices`.
+#[derive(Debug, Args)]
+pub struct BenchDevicesArgs {
+    /// What is rendered.
+    #[command(flatten)]
+    pub rendered: RenderedArgs,
+    /// Threads of the CPU [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Print an object as JSON: the chart, and remarks on what it shows
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Words of `jerboa bench figure-2`.
 #[derive(Debug, Args)]
 pub struct Figure2Args {
@@ -171,7 +185,7 @@ pub(super) fn figure_5(args: &Figure5Args) -> Result<String, Error> {
 
 impl RenderedArgs {
     /// What is rendered of a scene.
-    fn job(&self, scene: &Scene) -> table_2::Job {
+    pub(super) fn job(&self, scene: &Scene) -> table_2::Job {
         let RenderedArgs { spp, rounds, max_depth, .. } = *self;
         let size = scene::film_size(&scene.camera_or_default(), self.width, self.height);
         table_2::Job { size, spp, rounds, max_depth }
@@ -179,7 +193,7 @@ impl RenderedArgs {
 }
 
 /// These scenes, or the usual ones.
-fn names(scenes: &[String]) -> Vec<&str> {
+pub(super) fn names(scenes: &[String]) -> Vec<&str> {
     if scenes.is_empty() { SCENES.to_vec() } else { scenes.iter().map(String::as_str).collect() }
 }
 
@@ -192,10 +206,11 @@ fn tell(output: &OutputArgs, measure: impl FnOnce() -> Result<Vec<Chart>, Error>
     if let Some(path) = &output.plot {
         write_atomic(path, |file| std::io::Write::write_all(file, plot(&charts).as_bytes()))?;
     }
-    Ok(if output.json { as_json(&charts) } else { as_text(&charts) })
+    Ok(if output.json { format!("{}\n", json_of(&charts)) } else { as_text(&charts) })
 }
 
-fn as_json(charts: &[Chart]) -> String {
+/// A list of charts.
+pub(super) fn json_of(charts: &[Chart]) -> Value {
     let bar = |(name, bar): (&String, &Option<Spread>)| {
         bar.map(|s| json!({ "series": name, "median": s.median, "least": s.least, "most": s.most }))
     };
@@ -210,11 +225,11 @@ fn as_json(charts: &[Chart]) -> String {
         let groups: Vec<_> = c.groups.iter().map(|g| group(c, g)).collect();
         json!({ "title": c.title, "unit": c.unit, "groups": groups })
     };
-    format!("{}\n", Value::Array(charts.iter().map(chart).collect()))
+    Value::Array(charts.iter().map(chart).collect())
 }
 
 /// A table for each chart: a line for each group, with its bars and then its notes.
-fn as_text(charts: &[Chart]) -> String {
+pub(super) fn as_text(charts: &[Chart]) -> String {
     let tables: Vec<String> = charts.iter().map(|chart| aligned(&rows(chart))).collect();
     tables.join("\n")
 }

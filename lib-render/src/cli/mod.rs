@@ -12,6 +12,7 @@ mod time;
 mod trace;
 mod compare;
 mod devices;
+mod contest;
 mod bench;
 mod edits;
 mod rays;
@@ -51,6 +52,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Trace(args) => print(&trace::run(&args)?),
         Command::Compare(args) => print(&compare::report(&args)?),
         Command::Devices(args) => print(&devices::run(&args)),
+        Command::Bench { command: BenchCommand::Devices(args) } => print(&contest::run(&args)?),
         Command::Bench { command: BenchCommand::Edits(args) } => print(&edits::run(&args)?),
         Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
         Command::Bench { command: BenchCommand::Table3(args) } => print(&effort::run(&args)?),

@@ -1,4 +1,4 @@
-//! The paper's experiments (section 5), on any scene: what `jerboa bench table-2` and `figure-2` to `figure-5` measure.
+//! The paper's experiments (section 5), on any scene: what `jerboa bench table-2`, `figure-2` to `figure-5` and `devices` measure.
 //!
 //! | paper | what is measured |
 //! |---|---|
@@ -7,6 +7,7 @@
 //! | Figure 3 | [`figure_3`]: a shader whose parameters are constants or textures, specialised or not |
 //! | Figure 4 | [`figure_4`]: the interfaces of textures and attributes, specialised or not |
 //! | Figure 5 | [`figure_5`]: the time of specialisation and code generation |
+//! | | [`devices`]: CPU and GPU side by side |
 //!
 //! Each gives charts: groups of bars, which [`plot`] draws. What is compared takes turns ([`in_turn`]), so that whatever
 //! else the machine does meets all alike; a bar is the median of the rounds, with the least and the most beside it. A *gain* is
@@ -20,6 +21,7 @@ pub mod batch;
 pub mod figure_3;
 pub mod figure_4;
 pub mod figure_5;
+pub mod devices;
 pub mod plot;
 
 use super::error::Error;
