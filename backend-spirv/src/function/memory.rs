@@ -29,6 +29,13 @@ enum Rows {
     Array(u32),
 }
 
+/// Where a lane is loaded from or stored to.
+#[derive(Clone, Copy)]
+struct Row {
+    value: Value,
+    literal: Option<u32>,
+}
+
 /// A local array is cleared by so many stores, a longer one in a loop.
 const STORES: u32 = 8;
 
@@ -65,11 +72,11 @@ impl Emitter<'_> {
         rows.into_iter().map(|row| self.load_word(mem, scalar, (index, lanes), row)).collect()
     }
 
-    fn load_word(&mut self, mem: &Mem, scalar: Scalar, (index, lanes): (NodeId, usize), row: Value) -> Value {
+    fn load_word(&mut self, mem: &Mem, scalar: Scalar, (index, lanes): (NodeId, usize), row: Row) -> Value {
         match mem {
-            Mem::Unchecked(column) => self.load_row(*column, scalar, row),
+            Mem::Unchecked(column) => self.load_row(*column, scalar, row.value),
             Mem::Stream(column) => {
-                let row = self.clamped(column.buf, row);
+                let row = self.clamped(column.buf, row.value);
                 let value = self.load_row(*column, scalar, row);
                 let none = self.top(Top::IsEmpty(column.buf));
                 let nothing = match scalar {
@@ -80,12 +87,12 @@ impl Emitter<'_> {
             }
             Mem::Local(x) => {
                 let array = self.arrays[&self.array(*x)];
-                let row = match self.is_inside(index, lanes, array) {
-                    true => row,
-                    false => {
-                        let last = self.code.u32(array.len - 1);
-                        self.code.umin(row, last)
-                    }
+                let last = self.code.u32(array.len - 1);
+                let row = match row.literal {
+                    // naga refuses a literal out of range.
+                    Some(row) => self.code.u32(row.min(array.len - 1)),
+                    None if self.is_inside(index, lanes, array) => row.value,
+                    None => self.code.umin(row.value, last),
                 };
                 let pointer = self.code.local(array.variable);
                 let pointer = self.code.element(pointer, row);
@@ -96,19 +103,22 @@ impl Emitter<'_> {
     }
 
     /// The row of each lane: of a vector of indices its own, of a run the next one.
-    fn row_of_lanes(&mut self, index: NodeId, lanes: usize) -> Vec<Value> {
-        if self.width(index) == lanes {
-            return self.lanes(index);
-        }
-        let first = self.lane(index, 0);
-        let row = |lane: u32| match lane {
-            0 => first,
-            _ => {
-                let lane = self.code.u32(lane);
-                self.code.binary(B::Add, first, lane)
-            }
+    fn row_of_lanes(&mut self, index: NodeId, lanes: usize) -> Vec<Row> {
+        let is_run = self.width(index) < lanes;
+        let row = |lane: usize| {
+            let (of, step) = if is_run { (0, lane as u32) } else { (lane, 0) };
+            let literal = self.literal_lane(index, of).map(|lit| lit.word().wrapping_add(step));
+            let value = match (literal, step) {
+                (Some(row), _) => self.code.u32(row),
+                (None, 0) => self.lane(index, of),
+                (None, _) => {
+                    let (first, step) = (self.lane(index, of), self.code.u32(step));
+                    self.code.binary(B::Add, first, step)
+                }
+            };
+            Row { value, literal }
         };
-        (0..lanes as u32).map(row).collect()
+        (0..lanes).map(row).collect()
     }
 
     /// The row for an index: the last one, if the index is beyond.
@@ -177,15 +187,20 @@ impl Emitter<'_> {
                 Mem::Stream(column) | Mem::Unchecked(column) => (Rows::Buffer(column.buf), column.col),
                 Mem::Local(x) => (Rows::Array(self.array(*x)), 0),
             };
-            let inside = matches!(to, Rows::Array(block) if self.is_inside(index, lanes, self.arrays[&block]));
+            let inside = match to {
+                Rows::Buffer(_) => false,
+                // naga refuses a literal out of range.
+                Rows::Array(block) if row.literal.is_some_and(|row| row >= self.arrays[&block].len) => continue,
+                Rows::Array(block) => row.literal.is_some() || self.is_inside(index, lanes, self.arrays[&block]),
+            };
             if mask == NodeId::NONE {
-                self.store_word(to, inside, row, (col, word));
+                self.store_word(to, inside, row.value, (col, word));
                 continue;
             }
             self.make_stores();
             let taken = self.lane(mask, lane);
             self.open();
-            self.store_word(to, inside, row, (col, word));
+            self.store_word(to, inside, row.value, (col, word));
             let accept = self.close();
             self.code.branch(taken, accept, Block::new());
         }
