@@ -28,7 +28,13 @@ pub(crate) fn scalar(c: &mut Code, op: Op, scalar: Scalar, args: &[Operand], zer
         Op::Min => pick(c, B::Less, x, y),
         Op::Max => pick(c, B::Greater, x, y),
         Op::Neg => c.unary(U::Negate, x),
-        Op::Abs if float => c.math(MathFunction::Abs, x),
+        Op::Abs if float => {
+            // Not naga's `abs`: drivers take a root for positive and leave the sign of √−0 as it is.
+            let bits = c.cast(x, Scalar::U32);
+            let magnitude = c.u32(0x7fff_ffff);
+            let bits = c.binary(B::And, bits, magnitude);
+            c.cast(bits, Scalar::F32)
+        }
         Op::Abs => {
             let none = c.i32(0);
             let is_negative = c.binary(B::Less, x, none);

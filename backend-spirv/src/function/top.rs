@@ -2,8 +2,9 @@
 //! floats that naga or drivers do not take as literals.
 //!
 //! Drivers rewrite `x·0`, `x + 0` and `0 − x`, even where they are told not to contract. So a literal zero, wherever it
-//! could become an operand of arithmetic, is read from the launch, where no driver can know it. naga takes no literal NaN or
-//! infinity; they are made of their bits.
+//! could become an operand of arithmetic, is read from the launch, where no driver can know it. A choice between a one and a
+//! zero they make a conversion of the condition, which has another sign where the zero or the one has; in integers of these
+//! bits too (lavapipe 22.3). There the ones are hidden. naga takes no literal NaN or infinity; they are made of their bits.
 
 use jerboa_ir::{BufId, BufKind, Column, Layout, Lit, Scalar};
 use naga::BinaryOperator as B;
@@ -27,6 +28,8 @@ pub(super) enum Top {
     Base(Column),
     /// A float that no literal says, by its bits.
     Float(u32),
+    /// An integer that has the bits of the float 1 or −1.
+    One(u32),
 }
 
 impl Emitter<'_> {
@@ -106,6 +109,13 @@ impl Emitter<'_> {
                     c.cast(bits, Scalar::F32)
                 })
             }
+            Top::One(word) => {
+                let zero = self.top(Top::Word(launch.zero()));
+                self.code.at_top(|c| {
+                    let word = c.u32(word);
+                    c.binary(B::InclusiveOr, zero, word)
+                })
+            }
             Top::Float(bits) => self.code.at_top(|c| {
                 let bits = c.u32(bits);
                 c.cast(bits, Scalar::F32)
@@ -127,7 +137,17 @@ impl Emitter<'_> {
     pub(super) fn literal(&mut self, lit: Lit) -> Value {
         match lit {
             Lit::F32(bits) if bits << 1 == 0 || !f32::from_bits(bits).is_finite() => self.top(Top::Float(bits)),
+            Lit::U32(word) if is_one(word) => self.top(Top::One(word)),
+            Lit::I32(word) if is_one(word as u32) => {
+                let word = self.top(Top::One(word as u32));
+                self.code.cast(word, Scalar::I32)
+            }
             _ => self.code.literal(lit),
         }
     }
+}
+
+/// Are these the bits of the float 1 or −1?
+fn is_one(word: u32) -> bool {
+    word & 0x7fff_ffff == 0x3f80_0000
 }
