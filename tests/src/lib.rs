@@ -18,6 +18,7 @@
 
 pub mod choices;
 pub mod coverage;
+pub mod engine;
 pub mod forms;
 pub mod golden;
 pub mod graphs;
@@ -28,6 +29,7 @@ pub mod mutations;
 pub mod programs;
 pub mod refold;
 pub mod sources;
+pub mod spirv;
 pub mod sweep;
 pub mod trial;
 pub mod values;

@@ -1,10 +1,8 @@
-//! A residual run once for each row of a stream: its first entry as the body of a `vectorize`.
+//! A residual run once for each row of a stream: its first entry as the body of a `vectorize`, or as an invocation of a GPU.
 //!
 //! The arguments of row i are in the columns of the stream `given`, or, those that are the same for all rows, are
 //! arguments of the new entry `sweep`; the results of row i go to the columns of the stream `taken`. So whatever random
-//! programs do is done in lanes.
-
-use std::fmt::Write;
+//! programs do is done in lanes, and many inputs take one launch.
 
 use jerboa_ir::interp::Memory;
 use jerboa_ir::*;
@@ -12,7 +10,16 @@ use jerboa_ir::*;
 use crate::choices::Choices;
 use crate::values;
 
-/// A program with its memory and the arguments of its entry `sweep`, less the two bounds, which come first.
+/// Who goes through the rows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Through {
+    /// A loop of so many iterations at once, between two bounds that are the first arguments.
+    Vectorize(u8),
+    /// Somebody else: the first argument is a row's number. In a row beyond the last nothing is stored.
+    Grid,
+}
+
+/// A program with its memory and the arguments of its entry `sweep`, less those that say which rows, which come first.
 pub struct Sweep {
     /// The program: a residual.
     pub program: Program,
@@ -33,7 +40,7 @@ pub fn fits(p: &Program) -> bool {
 ///
 /// # Panics
 /// When the program has no entry `main`, or does not fit.
-pub fn sweep(residual: &Program, memory: &[Memory], rows: u32, width: u8, c: &mut Choices) -> Sweep {
+pub fn sweep(residual: &Program, memory: &[Memory], rows: u32, through: Through, c: &mut Choices) -> Sweep {
     assert!(fits(residual), "runs of the program depend on each other");
     let main = residual.cont(residual.entry("main").expect("a residual has the entry"));
     let (ret, params) = main.params.split_last().expect("an entry has a return");
@@ -48,17 +55,21 @@ pub fn sweep(residual: &Program, memory: &[Memory], rows: u32, width: u8, c: &mu
     let list = |each: &dyn Fn(usize) -> String| (0..params.len()).map(each).collect::<Vec<_>>();
     let uniform: Vec<usize> = (0..params.len()).filter(|i| is_uniform[*i]).collect();
     let declared: String = uniform.iter().map(|i| format!("sweep_u{i}: {}, ", params[*i])).collect();
-    let captured: Vec<String> = uniform.iter().map(|i| format!("sweep_u{i}")).collect();
-    write!(
-        new,
-        "entry sweep = sweep\n\
-         fun sweep(sweep_lo: u32, sweep_hi: u32, {declared}return: fn())\n\
-         \x20 vectorize {width} sweep_lo sweep_hi sweep_row({}) -> sweep_done\n\
-         \x20 rest sweep_done()\n  jump return()\n\
-         fun sweep_row({declared}sweep_i: u32, return: fn())\n",
-        captured.join(", ")
-    )
-    .expect("writing to a string");
+    let captured: String = uniform.iter().map(|i| format!("sweep_u{i}, ")).collect();
+    new += "entry sweep = sweep\n";
+    new += &match through {
+        Through::Vectorize(width) => format!(
+            "fun sweep(sweep_lo: u32, sweep_hi: u32, {declared}return: fn())\n\
+             \x20 vectorize {width} sweep_lo sweep_hi sweep_row({}) -> sweep_done\n\
+             \x20 rest sweep_done()\n  jump return()\n",
+            captured.trim_end_matches(", ")
+        ),
+        Through::Grid => format!(
+            "fun sweep(sweep_row_number: u32, {declared}return: fn())\n\
+             \x20 jump sweep_row({captured}sweep_row_number, return)\n"
+        ),
+    };
+    new += &format!("fun sweep_row({declared}sweep_i: u32, return: fn())\n");
     for i in (0..params.len()).filter(|i| !is_uniform[*i]) {
         let (scalar, n) = params[i].lanes().expect("it is data");
         for l in 0..n {

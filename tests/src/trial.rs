@@ -11,6 +11,7 @@ use jerboa_peval::{Arg, Error, Facts, Generic, Options, specialize};
 
 use crate::choices::Choices;
 use crate::coverage::{Coverage, Watch, within_iterations};
+use crate::engine::Runs;
 use crate::knowledge::{Level, classify};
 use crate::machine::{call, canonical};
 use crate::programs::Case;
@@ -96,6 +97,33 @@ pub fn check(case: &Case, seed: u64, inputs: u64, tally: &mut Tally) -> Result<(
     round_trip(&residual)?;
     trial.check_lanes(&residual, tally)?;
     trial.check_machine_code(&residual, tally)
+}
+
+/// A residual with runs of it.
+pub struct Sample {
+    /// The residual.
+    pub residual: Program,
+    /// What every run begins with.
+    pub memory: Vec<Memory>,
+    /// Inputs, and what the generic program makes of them.
+    pub runs: Runs,
+}
+
+/// The residual of a program on so many inputs, with something known or nothing; none if the evaluator does not finish.
+///
+/// # Errors
+/// What went wrong, in words.
+pub fn sample(case: &Case, seed: u64, inputs: u64) -> Result<Option<Sample>, String> {
+    let trial = Trial::new(case, seed, inputs, &mut Tally::default())?;
+    let Some(residual) = trial.specialize(&Generic::new(case.program.clone()), Options::default())? else {
+        return Ok(None);
+    };
+    let mut runs = Runs::default();
+    for (args, outcome) in trial.runs {
+        runs.inputs.push(trial.split.unknown(&args));
+        runs.expected.extend(outcome);
+    }
+    Ok(Some(Sample { residual, memory: trial.memory, runs }))
 }
 
 impl<'c> Trial<'c> {

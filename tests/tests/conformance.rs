@@ -4,23 +4,32 @@
 //! promises in words is tested by facts written by hand.
 
 use jerboa_backend_cranelift as cranelift;
+use jerboa_backend_spirv::Grid;
 use jerboa_ir::interp::{Interp, Limits};
 use jerboa_ir::op::Rule;
 use jerboa_ir::*;
 use jerboa_peval::{Arg, Facts, Generic, specialize};
+use jerboa_tests::choices::Choices;
 use jerboa_tests::forms::{Form, forms};
 use jerboa_tests::machine::call;
+use jerboa_tests::spirv::{Spirv, gpu, spirv_val};
+use jerboa_tests::sweep::{Through, sweep};
 use jerboa_tests::values::specials;
 
 /// Something that computes operations.
 trait Engine {
     /// The result's lanes for each case; a case has the lanes of all operands in order.
     fn results(&self, form: &Form, cases: &[Vec<Lit>]) -> Vec<Vec<Lit>>;
+
+    /// Does it have the operation?
+    fn has(&self, _: Op) -> bool {
+        true
+    }
 }
 
 /// Every operation at this number of lanes.
 fn suite(engine: &dyn Engine, lanes: usize) {
-    for form in forms(lanes) {
+    for form in forms(lanes).into_iter().filter(|form| engine.has(form.op)) {
         let cases = cases(&form, lanes);
         let results = engine.results(&form, &cases);
         assert_eq!(results.len(), cases.len());
@@ -170,6 +179,52 @@ impl Engine for Machine {
             (code.kernel("main").expect("main is compiled"), program.entry("main").expect("there is a main"));
         cases.iter().map(|case| call(kernel, &program, main, case, &mut []).expect("it runs")).collect()
     }
+}
+
+/// A GPU, with an invocation for each case. An operation over vectors is one for each lane, `fma` is refused.
+impl Engine for Spirv {
+    fn results(&self, form: &Form, cases: &[Vec<Lit>]) -> Vec<Vec<Lit>> {
+        let generic = Generic::new(program(form));
+        let program = residual(&generic, &vec![Arg::Unknown; form.args.len()]);
+        let rows = cases.len() as u32;
+        let mut sweep = sweep(&program, &[], rows, Through::Grid, &mut Choices::replay(&[]));
+        let [given, _] = &mut sweep.memory[..] else { unreachable!("the streams of a sweep") };
+        given.words = (0..cases[0].len()).flat_map(|col| cases.iter().map(move |case| case[col].word())).collect();
+        let memory = self.sweep(&sweep, rows).unwrap_or_else(|e| panic!("{}: {e}", form.op.name()));
+        let (scalar, lanes) = form.result.lanes().expect("a result is data");
+        let result = |row: usize| (0..lanes).map(|l| memory[1].words[l * cases.len() + row]).collect::<Vec<u32>>();
+        let lit = |word: u32| {
+            assert!(scalar != Scalar::Bool || word < 2, "{}: {word:#x} is no bool", form.op.name());
+            Lit::from_word(scalar, word)
+        };
+        (0..cases.len()).map(|row| result(row).into_iter().map(lit).collect()).collect()
+    }
+
+    fn has(&self, op: Op) -> bool {
+        op != Op::Fma
+    }
+}
+
+/// The GPU as an engine, all of whose modules pass `spirv-val`.
+fn on_gpu(test: &str) -> Option<Spirv> {
+    Some(Spirv { gpu: gpu(test)?, validator: spirv_val(test), spread: true })
+}
+
+#[test]
+fn on_scalars_on_the_gpu() {
+    let Some(gpu) = on_gpu("on_scalars_on_the_gpu") else { return };
+    suite(&gpu, 1);
+    let fma = forms(1).into_iter().find(|f| f.op == Op::Fma).expect("it is an operation");
+    let generic = Generic::new(program(&fma));
+    let program = residual(&generic, &vec![Arg::Unknown; 3]);
+    let refused = gpu.module(&program, "main", Grid::Single).expect_err("it may round twice");
+    assert!(refused.contains("fma"), "{refused}");
+}
+
+#[test]
+fn on_vectors_on_the_gpu() {
+    let Some(gpu) = on_gpu("on_vectors_on_the_gpu") else { return };
+    [2, 3, 16].into_iter().for_each(|lanes| suite(&gpu, lanes));
 }
 
 /// A test per engine and number of lanes.

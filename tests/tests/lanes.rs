@@ -14,7 +14,7 @@ use jerboa_tests::choices::{Choices, shrink};
 use jerboa_tests::harness::bench::number;
 use jerboa_tests::machine::{call, canonical};
 use jerboa_tests::programs::case;
-use jerboa_tests::sweep::{Sweep, fits, sweep};
+use jerboa_tests::sweep::{Sweep, Through, fits, sweep};
 
 /// Programs of a run in the test command.
 const PROGRAMS: usize = 1000;
@@ -42,7 +42,7 @@ fn check(recipe: &[u32], seed: u64) -> Result<u64, String> {
     let mut c = Choices::random(seed);
     let width = c.pick(&[4u8, 8, 16]);
     let rows = u32::from(width) * 4;
-    let sweep = sweep(&residual.program, &case.memory, rows, width, &mut c);
+    let sweep = sweep(&residual.program, &case.memory, rows, Through::Vectorize(width), &mut c);
     clean("the sweep", &sweep.program)?;
     let vector = lanes(&sweep.program, Width::Hint).map_err(|e| e.to_string())?;
     clean("lanes", &vector)?;
