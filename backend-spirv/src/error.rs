@@ -97,7 +97,7 @@ impl fmt::Display for Error {
             }
             Error::Budget { kernel, words, blocks, budget } => write!(
                 f,
-                "kernel `{kernel}` takes {words} words of SPIR-V ({blocks} blocks), more than the budget of {budget}: \
+                "kernel `{kernel}` takes {words} words of SPIR-V (blocks: {blocks}), more than the budget of {budget}: \
                  drivers' compile time grows faster than the kernel; specialise less, split the kernel (the wavefront \
                  device has one per shader), or raise the budget"
             ),
