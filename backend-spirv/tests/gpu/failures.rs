@@ -106,6 +106,35 @@ fn without_a_driver_the_package_is_named() {
     assert!(out.status.success() && said.contains("1 passed"), "{said}");
 }
 
+/// In a process that may have 6 GiB of addresses: buffers that nobody writes to take no more than that of lavapipe.
+#[test]
+fn a_full_memory_is_an_error() {
+    let Some(gpu) = gpu() else { return };
+    if gpu.adapter().kind().is_gpu() || !cfg!(target_os = "linux") {
+        return println!("skipped: only a software driver's memory is that of the process");
+    }
+    if std::env::var_os("JERBOA_LITTLE_MEMORY").is_some() {
+        let words = gpu.adapter().most_bytes() / 4;
+        let mut held = Vec::new();
+        let error = (0..60).find_map(|_| gpu.memory(words).map(|memory| held.push(memory)).err());
+        let error = error.unwrap_or_else(|| panic!("{} buffers of {words} words fit", held.len()));
+        assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
+        assert!(line(error).starts_with("the GPU is out of memory (a buffer of "));
+        held.clear();
+        let memory = gpu.memory(1000).expect("there is room again");
+        assert_eq!(gpu.read(&memory, 0..10).expect("it is there"), [0; 10]);
+        return;
+    }
+    let out = Command::new("sh")
+        .args(["-c", "ulimit -v 6291456 && exec \"$0\" failures::a_full_memory_is_an_error --exact"])
+        .arg(std::env::current_exe().expect("a path"))
+        .env("JERBOA_LITTLE_MEMORY", "1")
+        .output()
+        .expect("it starts");
+    let said = String::from_utf8_lossy(&out.stdout) + String::from_utf8_lossy(&out.stderr);
+    assert!(out.status.success() && said.contains("1 passed"), "{said}");
+}
+
 #[test]
 fn an_adapter_that_is_not_there_is_named() {
     let Some(gpu) = gpu() else { return };
