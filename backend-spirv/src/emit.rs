@@ -3,7 +3,7 @@
 use jerboa_ir::cfg::{Cfg, Exit};
 use jerboa_ir::schedule::Scheduler;
 use jerboa_ir::structure::{Step, structure};
-use jerboa_ir::{ContId, Node, Op, Program, Scalar};
+use jerboa_ir::{BufKind, ContId, Node, Op, Program, Scalar};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, EntryPoint, GlobalVariable, Handle, MemoryDecorations, ResourceBinding, Span, StorageAccess};
 use rustc_hash::FxHashMap;
@@ -30,7 +30,7 @@ pub fn emit(program: &Program, entry: &str, options: &Options) -> Result<Module,
         shape(program, cont, options.grid).map_err(|why| Error::Shape { kernel: kernel(), why })?;
     no_recursion(program, &cfg).map_err(|chain| Error::Recursion { kernel: kernel(), chain })?;
     let groups = options.packing.groups(entry, program)?;
-    let bindings = Binding::all(program, groups, results);
+    let bindings = Binding::all(program, &cfg, groups, results);
     if bindings.len() > crate::STORAGE_BUFFERS {
         let why = format!("with the launch and the results there are {} storage buffers, not 8", bindings.len());
         return Err(Error::Packing { kernel: kernel(), why });
@@ -138,7 +138,7 @@ fn globals(module: &mut naga::Module, types: &mut Types, p: &Program, bindings: 
             Binding::Launch => {}
             Binding::Results => globals.results = Some(add(number, binding, "results")),
             Binding::Tables(group) | Binding::Streams(group) => {
-                let kind = if binding.is_written() { "streams" } else { "tables" };
+                let kind = if p.buffer(group[0]).kind == BufKind::Stream { "streams" } else { "tables" };
                 let name = if let [one] = group[..] { &*p.buffer(one).name } else { kind };
                 let variable = add(number, binding, name);
                 group.iter().for_each(|buf| globals.buffers[buf.index()] = variable);

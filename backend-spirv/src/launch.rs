@@ -7,16 +7,17 @@
 //! | the last | 0: a zero that no driver can fold (see `function/top.rs`) |
 //!
 //! A stream without rows has the first word 0. Every module of one program and packing has the same bindings, whether its
-//! kernel uses them or not, but for the results.
+//! kernel uses them or not, but for the results; what is only read may lie where the grid of an indirect launch does.
 
-use jerboa_ir::{BufId, BufKind, Program};
+use jerboa_ir::cfg::Cfg;
+use jerboa_ir::{Body, BufId, Mem, Program};
 
 /// What a storage buffer holds. Its binding number is its place in [`crate::Module::bindings`]; there are no gaps.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Binding {
     /// The launch; read only.
     Launch,
-    /// These tables of the program; read only.
+    /// These tables of the program, or streams to none of which the kernel stores; read only.
     Tables(Vec<BufId>),
     /// These streams of the program; read and written.
     Streams(Vec<BufId>),
@@ -30,11 +31,18 @@ impl Binding {
         matches!(self, Binding::Streams(_) | Binding::Results)
     }
 
-    /// All bindings of a kernel.
-    pub(crate) fn all(program: &Program, groups: Vec<Vec<BufId>>, results: u32) -> Vec<Binding> {
-        let group = |group: Vec<BufId>| match program.buffer(group[0]).kind {
-            BufKind::Table { .. } => Binding::Tables(group),
-            BufKind::Stream => Binding::Streams(group),
+    /// All bindings of a kernel with this graph.
+    pub(crate) fn all(program: &Program, cfg: &Cfg, groups: Vec<Vec<BufId>>, results: u32) -> Vec<Binding> {
+        let blocks = cfg.functions.iter().flat_map(|f| &f.blocks);
+        let stored: Vec<BufId> = blocks
+            .filter_map(|block| match &program.cont(block.cont).body {
+                Body::Store { mem: Mem::Stream(column), .. } => Some(column.buf),
+                _ => None,
+            })
+            .collect();
+        let group = |group: Vec<BufId>| match group.iter().any(|buf| stored.contains(buf)) {
+            true => Binding::Streams(group),
+            false => Binding::Tables(group),
         };
         let mut bindings = vec![Binding::Launch];
         bindings.extend(groups.into_iter().map(group));

@@ -2,7 +2,8 @@
 //! those kernels anew whose facts changed.
 
 use jerboa_lib_render::host::device::DeviceKind;
-use jerboa_lib_render::host::film::Window;
+use jerboa_lib_render::host::film::{Film, Window};
+use jerboa_lib_render::host::gpu;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::tables::{Known, Pass};
 use jerboa_scenes::{AlphaMode, Scene, TextureSource};
@@ -103,4 +104,28 @@ fn what_is_not_there_cannot_be_changed() {
     let error = edited.set_material(&scene, count).expect_err("there is no such material");
     assert_eq!(error.to_string(), format!("there is no material {count}: the scene has {count}"));
     assert!(edited.set_light(&scene, 0).is_err() && edited.set_texture(&scene, 9).is_err());
+}
+
+/// On a GPU everything is made anew, and the film is still that of the CPU.
+#[test]
+fn a_change_on_a_gpu_is_as_if_it_had_been_so() {
+    if !gpu::has_driver() {
+        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "no adapter is here: install mesa-vulkan-drivers");
+        println!("skipped: a_change_on_a_gpu_is_as_if_it_had_been_so (no adapter)");
+        return;
+    }
+    let film = |renderer: &Renderer, scene: &Scene| {
+        let mut film = Film::of_size([12, 10]);
+        renderer.render(&scene.camera_or_default(), &mut film).unwrap_or_else(|e| panic!("{e}"));
+        film
+    };
+    let of = |device| Options { device, spp: 2, ..Options::default() };
+    let mut scene = load("cornell-box");
+    let mut edited = renderer(&scene, of(DeviceKind::GpuMegakernel));
+    let before = film(&edited, &scene);
+    assert!(before == film(&renderer(&scene, of(DeviceKind::Cpu)), &scene));
+    let anew = material(&mut scene, &mut edited, |m| (m.metallic, m.roughness) = (1.0, 0.3));
+    assert_eq!(anew, ["megakernel"]);
+    let after = film(&edited, &scene);
+    assert!(after != before && after == film(&renderer(&scene, of(DeviceKind::Cpu)), &scene));
 }

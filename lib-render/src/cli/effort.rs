@@ -13,10 +13,11 @@ use crate::host::error::Error;
 type Part = (&'static str, &'static [&'static str]);
 
 /// The devices, each with both of its halves. What stages and is in none of them is the core.
-const DEVICES: [Part; 3] = [
+const DEVICES: [Part; 4] = [
     ("traversal", &["traverse", "geometry/triangle.rs"]),
     ("CPU, streams", &["device/stream.rs", "host/wave.rs", "host/work.rs", "host/dispatch.rs", "host/device.rs"]),
     ("CPU, a path at a time", &["device/cpu.rs", "host/scalar.rs"]),
+    ("GPU, both", &["device/megakernel.rs", "device/wavefront.rs", "device/pixel.rs", "host/gpu"]),
 ];
 
 /// What does not stage: neither core nor device.

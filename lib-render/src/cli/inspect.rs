@@ -1,7 +1,10 @@
 //! `jerboa dump`, `jerboa explain`: what the renderer became for a scene, and why.
 
+use std::time::Duration;
+
 use jerboa_backend_cranelift::lanes::{Width, lanes, vectorizes};
 use jerboa_ir::{Program, print};
+use jerboa_peval::Residual;
 
 use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg};
 use super::scene::load;
@@ -32,28 +35,23 @@ pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
 
 /// The text of a stage that is made of one residual.
 fn of_residual(tables: &Tables, kernel: &Request, stage: StageArg) -> Result<String, Error> {
-    let residual = residual(tables, kernel, Keep::default())?.program;
+    let residual = residual(tables, kernel, Keep::default())?;
     match stage {
-        StageArg::Structured | StageArg::Naga | StageArg::Spirv => for_gpu(tables, kernel, &residual, stage),
-        StageArg::Lanes => in_lanes(&residual),
-        _ => Ok(print(&residual)),
+        StageArg::Structured | StageArg::Naga | StageArg::Spirv => for_gpu(tables, kernel, residual, stage),
+        StageArg::Lanes => in_lanes(&residual.program),
+        _ => Ok(print(&residual.program)),
     }
 }
 
 /// The text of a kernel on its way to a GPU.
-#[cfg(feature = "gpu")]
-fn for_gpu(tables: &Tables, kernel: &Request, residual: &Program, stage: StageArg) -> Result<String, Error> {
-    let module = gpu::emit(tables, residual, &kernel.entry)?;
-    Ok(match stage {
-        StageArg::Structured => module.structured(),
-        StageArg::Naga => module.naga(),
-        _ => module.assembly(),
-    })
-}
-
-#[cfg(not(feature = "gpu"))]
-fn for_gpu(_: &Tables, _: &Request, _: &Program, _: StageArg) -> Result<String, Error> {
-    Err(gpu::without_feature())
+fn for_gpu(tables: &Tables, kernel: &Request, residual: Residual, stage: StageArg) -> Result<String, Error> {
+    let emitted = gpu::emit(tables, std::slice::from_ref(kernel), vec![(residual, Duration::ZERO)])?;
+    let text = |k: &gpu::Emitted| match stage {
+        StageArg::Structured => k.structured(),
+        StageArg::Naga => k.naga(),
+        _ => k.assembly(),
+    };
+    Ok(emitted.iter().map(text).collect())
 }
 
 /// The text of a kernel with its loops over lanes, or that it has none.

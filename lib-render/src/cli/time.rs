@@ -9,8 +9,8 @@ use super::args::{KnownArg, TimeArgs};
 use super::scene::load;
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
-use crate::host::generate::{Keep, TracerKind, generate};
-use crate::host::gpu::RealMachine;
+use crate::host::generate::{Generated, Keep, TracerKind, generate};
+use crate::host::gpu::{Emitted, RealMachine};
 use crate::host::tables::{Choices, Tables};
 
 /// Times the phases for the scene, as one who has rendered no other scene in this process would see them.
@@ -47,7 +47,7 @@ struct Kernel {
 
 fn on_cpu(tables: &Tables, device: DeviceKind) -> Result<Made, Error> {
     let made = generate(tables, &device.requests(tables, TracerKind::Path), Keep::default())?;
-    let kernel = |k: &crate::host::generate::Generated| Kernel {
+    let kernel = |k: &Generated| Kernel {
         name: k.name.clone(),
         times: vec![("specialize", k.specialize_time), ("codegen", k.codegen_time)],
         report: k.residual.report.clone(),
@@ -61,32 +61,26 @@ fn on_cpu(tables: &Tables, device: DeviceKind) -> Result<Made, Error> {
 
 /// Our own times, specialisation and code generation, are apart from the driver's: of its pipelines and of the first launches,
 /// since some drivers compile only then.
-#[cfg(feature = "gpu")]
 fn on_gpu(tables: &Tables, device: DeviceKind) -> Result<Made, Error> {
     let machine = RealMachine::new(tables, &device.requests(tables, TracerKind::Path), Keep::default())?;
-    let kernel = |k: &crate::host::gpu::OnGpu| -> Result<Kernel, Error> {
-        let first = machine.first_launch(k)?;
-        let ours = [("specialize", k.specialize_time), ("codegen", k.emit_time)];
-        Ok(Kernel {
-            name: k.name.clone(),
-            times: ours.into_iter().chain([("pipeline", k.pipeline_time()), ("first_launch", first)]).collect(),
-            report: k.residual.report.clone(),
-            code_bytes: 4 * k.module.report().words,
-        })
+    let kernel = |(k, [pipeline, first]): (&Emitted, [Duration; 2])| Kernel {
+        name: k.name.clone(),
+        times: vec![
+            ("specialize", k.specialize_time),
+            ("codegen", k.emit_time),
+            ("pipeline", pipeline),
+            ("first_launch", first),
+        ],
+        report: k.residual.report.clone(),
+        code_bytes: 4 * k.words(),
     };
-    let kernels = machine.kernels().iter().map(kernel).collect::<Result<Vec<Kernel>, Error>>()?;
+    let kernels: Vec<Kernel> = machine.warmed()?.into_iter().map(kernel).collect();
     let first = kernels.iter().map(|k| k.times[3].1).sum();
     let ours = [("specialize", machine.specialize_time), ("codegen", machine.emit_time)];
     Ok(Made {
         times: ours.into_iter().chain([("pipeline", machine.pipeline_time), ("first_launch", first)]).collect(),
         kernels,
     })
-}
-
-#[cfg(not(feature = "gpu"))]
-fn on_gpu(tables: &Tables, device: DeviceKind) -> Result<Made, Error> {
-    RealMachine::new(tables, &device.requests(tables, TracerKind::Path), Keep::default())?;
-    Ok(Made { times: Vec::new(), kernels: Vec::new() })
 }
 
 struct Phases {

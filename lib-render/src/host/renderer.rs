@@ -90,7 +90,7 @@ pub(super) enum Device {
     Cpu(Wave),
     CpuScalar(Arc<Generated>),
     /// One render at a time.
-    Gpu(Mutex<gpu::Device<RealMachine>>),
+    Gpu(Box<Mutex<gpu::Device<RealMachine>>>),
 }
 
 impl Device {
@@ -109,7 +109,7 @@ impl Device {
             let machine = RealMachine::new(tables, &requests, options.keep)?;
             let times = (machine.specialize_time, machine.emit_time + machine.pipeline_time);
             let device = gpu::Device::new(machine, Schedule::of(options.device, requests.len()));
-            return Ok((Device::Gpu(Mutex::new(device)), times.0, times.1));
+            return Ok((Device::Gpu(Box::new(Mutex::new(device))), times.0, times.1));
         }
         let Kernels { kernels, specialize_time, codegen_time } = generate(tables, &requests, options.keep)?;
         Ok((Device::new(kernels, options), specialize_time, codegen_time))

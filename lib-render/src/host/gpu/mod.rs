@@ -191,7 +191,8 @@ impl<M: Machine> Device<M> {
 }
 
 /// Why a build without the feature `gpu` cannot do what it is asked for.
-pub fn without_feature() -> Error {
+#[cfg(not(feature = "gpu"))]
+fn without_feature() -> Error {
     Error::new("this build has no code for GPUs: build it with the cargo feature `gpu`")
 }
 

@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 
 use jerboa_backend_spirv as spirv;
 use jerboa_backend_spirv::gpu;
-use jerboa_ir::Program;
 use jerboa_ir::lang::Buf;
 use jerboa_peval::Residual;
 use rayon::prelude::*;
@@ -26,9 +25,17 @@ impl From<gpu::Error> for Error {
     }
 }
 
+/// Has this build code for GPUs?
+pub const IS_BUILT: bool = true;
+
 /// Is there a GPU that can run kernels? A driver that runs on the CPU is none.
 pub fn is_there() -> bool {
     may_be_there() && gpu::adapters().iter().any(|a| a.kind().is_gpu() && a.unfit().is_none())
+}
+
+/// Is there a GPU that can run kernels, or a driver that does so on the CPU?
+pub fn has_driver() -> bool {
+    gpu::adapters().iter().any(|a| a.unfit().is_none())
 }
 
 /// Linux shows a GPU as a file, of its own drivers (DRM), NVIDIA's, or Windows'. Looking there takes microseconds, and asking
@@ -37,32 +44,82 @@ fn may_be_there() -> bool {
     !cfg!(target_os = "linux") || ["/dev/dri", "/dev/nvidiactl", "/dev/dxg"].into_iter().any(|f| Path::new(f).exists())
 }
 
-/// A kernel on a GPU, with all that led to it.
-pub struct OnGpu {
+/// A kernel for GPUs, with all that led to it.
+pub struct Emitted {
     /// Its name.
     pub name: String,
     /// What specialisation left.
     pub residual: Residual,
-    /// What is given to the driver.
-    pub module: spirv::Module,
     /// Time that a thread ran for its specialisation.
     pub specialize_time: Duration,
     /// Time that a thread ran for its module and SPIR-V.
     pub emit_time: Duration,
-    kernel: gpu::Kernel,
+    /// What is given to the driver.
+    module: spirv::Module,
 }
 
-impl OnGpu {
-    /// Wall time of the driver's pipeline.
-    pub fn pipeline_time(&self) -> Duration {
-        self.kernel.pipeline_time()
+impl Emitted {
+    /// Words of SPIR-V.
+    pub fn words(&self) -> usize {
+        self.module.report().words
     }
+
+    /// Its control flow.
+    pub fn structured(&self) -> String {
+        self.module.structured()
+    }
+
+    /// The naga module, as WGSL.
+    pub fn naga(&self) -> String {
+        self.module.naga()
+    }
+
+    /// Its SPIR-V.
+    pub fn assembly(&self) -> String {
+        self.module.assembly()
+    }
+}
+
+/// Most words of SPIR-V of a kernel. The megakernel has all of a scene in it: that of the kitchen, 62,000, takes Mesa's lavapipe
+/// 22.3 nine seconds, and twice as many may take half a minute.
+const MOST_WORDS: usize = 120_000;
+
+/// The modules of kernels for these tables, from their residuals and the times that these took; in parallel.
+///
+/// # Errors
+/// When GPUs cannot run a kernel: which one, and why.
+pub fn emit(
+    tables: &Tables,
+    requests: &[Request],
+    residuals: Vec<(Residual, Duration)>,
+) -> Result<Vec<Emitted>, Error> {
+    emit_packed(&Packing::new(tables, u64::MAX)?, requests, residuals)
+}
+
+fn emit_packed(
+    packing: &Packing,
+    requests: &[Request],
+    residuals: Vec<(Residual, Duration)>,
+) -> Result<Vec<Emitted>, Error> {
+    let options = spirv::Options {
+        packing: spirv::Packing(packing.memories.clone()),
+        budget: spirv::Budget { words: MOST_WORDS },
+        ..spirv::Options::default()
+    };
+    let one = |(request, (residual, specialize_time)): (&Request, (Residual, Duration))| {
+        let start = thread_time();
+        let module = spirv::emit(&residual.program, &request.entry, &options).map_err(|e| Error::new(e.to_string()))?;
+        let emit_time = thread_time().saturating_sub(start);
+        Ok(Emitted { name: request.name.clone(), residual, specialize_time, emit_time, module })
+    };
+    requests.par_iter().zip(residuals).with_max_len(1).map(one).collect()
 }
 
 /// A GPU with the kernels and tables of a scene.
 pub struct RealMachine {
     gpu: Arc<gpu::Gpu>,
-    kernels: Vec<OnGpu>,
+    emitted: Vec<Emitted>,
+    kernels: Vec<gpu::Kernel>,
     packing: Packing,
     /// By the numbers of the packing, from 1 on.
     memories: Vec<gpu::Memory>,
@@ -74,20 +131,6 @@ pub struct RealMachine {
     pub emit_time: Duration,
     /// Wall time of the driver's pipelines.
     pub pipeline_time: Duration,
-}
-
-/// The text of a kernel on its way to a GPU.
-///
-/// # Errors
-/// When GPUs cannot run it: which kernel, and why.
-pub fn emit(tables: &Tables, program: &Program, entry: &str) -> Result<spirv::Module, Error> {
-    emit_packed(&Packing::new(tables, u64::MAX)?, program, entry)
-}
-
-fn emit_packed(packing: &Packing, program: &Program, entry: &str) -> Result<spirv::Module, Error> {
-    let packing = spirv::Packing(packing.memories.clone());
-    let options = spirv::Options { packing, ..spirv::Options::default() };
-    spirv::emit(program, entry, &options).map_err(|e| Error::new(e.to_string()))
 }
 
 impl RealMachine {
@@ -102,29 +145,14 @@ impl RealMachine {
         let specialize_time = start.elapsed();
         let start = Instant::now();
         let packing = Packing::new(tables, gpu.adapter().most_bytes())?;
-        let timed = |request: &Request, residual: &Residual| {
-            let start = thread_time();
-            let module = emit_packed(&packing, &residual.program, &request.entry)?;
-            Ok((module, thread_time().saturating_sub(start)))
-        };
-        let modules = requests.par_iter().zip(&residuals).with_max_len(1).map(|(request, (r, _))| timed(request, r));
-        let modules = modules.collect::<Result<Vec<_>, Error>>()?;
+        let emitted = emit_packed(&packing, requests, residuals)?;
         let emit_time = start.elapsed();
         let start = Instant::now();
-        let made = modules.par_iter().with_max_len(1).map(|(module, _)| gpu.kernel(module));
-        let made = made.collect::<Result<Vec<gpu::Kernel>, _>>()?;
+        let kernels = emitted.par_iter().with_max_len(1).map(|k| gpu.kernel(&k.module)).collect::<Result<_, _>>()?;
         let pipeline_time = start.elapsed();
-        let all = requests.iter().zip(residuals).zip(modules.into_iter().zip(made));
-        let one = |((request, (residual, specialize_time)), ((module, emit_time), kernel)): ((&Request, _), _)| OnGpu {
-            name: request.name.clone(),
-            residual,
-            module,
-            specialize_time,
-            emit_time,
-            kernel,
-        };
         let mut machine = RealMachine {
-            kernels: all.map(one).collect(),
+            emitted,
+            kernels,
             memories: packing.tables.iter().map(|words| gpu.memory(*words)).collect::<Result<_, _>>()?,
             starts: packing.starts.clone(),
             rows: tables.memory.iter().map(|m| m.rows).collect(),
@@ -141,22 +169,14 @@ impl RealMachine {
         Ok(machine)
     }
 
-    /// The kernels, as [`crate::host::device::DeviceKind::requests`] lists them.
-    pub fn kernels(&self) -> &[OnGpu] {
-        &self.kernels
-    }
-
-    /// Wall time that the driver takes until it launches a kernel for the first time, with nothing to do: some compile only then.
+    /// The kernels, as [`crate::host::device::DeviceKind::requests`] lists them; of each the wall time of the driver's pipeline,
+    /// and that of a first launch with nothing to do, since some drivers compile only then.
     ///
     /// # Errors
     /// When the device is lost.
-    pub fn first_launch(&self, kernel: &OnGpu) -> Result<Duration, Error> {
-        Ok(self.gpu.warm(&kernel.kernel)?)
-    }
-
-    /// What it runs on: the adapter's name, and how kernels reach it.
-    pub fn name(&self) -> String {
-        format!("{}, {} mode", self.gpu.adapter().name(), self.gpu.mode().name())
+    pub fn warmed(&self) -> Result<Vec<(&Emitted, [Duration; 2])>, Error> {
+        let all = self.emitted.iter().zip(&self.kernels);
+        all.map(|(emitted, kernel)| Ok((emitted, [kernel.pipeline_time(), self.gpu.warm(kernel)?]))).collect()
     }
 
     fn write(&self, buffer: usize, words: &[u32]) -> Result<(), Error> {
@@ -207,7 +227,7 @@ impl Machine for RealMachine {
         let mut swapped = buffers.clone();
         swapped.swap(binding::<Paths>(), binding::<Next>());
         let launch = |launch: &Launch| gpu::Launch {
-            kernel: &self.kernels[launch.kernel].kernel,
+            kernel: &self.kernels[launch.kernel],
             arguments: launch.arguments.clone(),
             buffers: if launch.swapped { &swapped } else { &buffers },
             results: None,
