@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! component (Rust)  →  generic program  →  residual program  →  machine code
-//!   this crate            jerboa-ir           jerboa-peval       jerboa-backend-cranelift
+//!   this crate            jerboa-ir           jerboa-peval       jerboa-backend-cranelift, for GPUs jerboa-backend-spirv
 //! ```
 //!
 //! | paper | file | main type |

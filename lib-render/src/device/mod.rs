@@ -2,6 +2,11 @@
 //!
 //! A device has two halves. Its IR half, here, is a list of entries over the tracer; its host half owns streams, threads
 //! and dispatches.
+//!
+//! | | one kernel for a whole path | paths sorted by shader |
+//! |---|---|---|
+//! | CPU | [`cpu`] | [`stream`] |
+//! | GPU | [`megakernel`] | [`wavefront`] |
 
 pub mod cpu;
 pub mod stream;
