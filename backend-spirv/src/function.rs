@@ -8,7 +8,7 @@ mod value;
 
 use jerboa_ir::cfg::{Cfg, Function};
 use jerboa_ir::schedule::Schedule;
-use jerboa_ir::{Body, BufId, ContId, Node, NodeId, Program, Scalar, TyKind};
+use jerboa_ir::{Body, BufId, ContId, Node, NodeId, Op, Program, Scalar, TyKind};
 use naga::{Block, GlobalVariable, Handle, LocalVariable, Statement, SwitchCase, SwitchValue};
 use rustc_hash::FxHashMap;
 
@@ -94,6 +94,8 @@ enum Known {
     Lane(NodeId, usize),
     /// The row of a buffer for an index: the last one, if the index is beyond.
     Row(BufId, Value),
+    /// An operation on these operands.
+    Result(Op, [Option<Value>; 3]),
     /// Words from the first row of a buffer to this one.
     Distance(BufId, Value),
 }

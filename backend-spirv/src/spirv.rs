@@ -117,6 +117,7 @@ fn is_float(op: Option<Op>) -> bool {
 /// Does it belong to the types, constants and variables of a module?
 fn is_declaration(op: Option<Op>) -> bool {
     let Some(op) = op else { return false };
-    let name = format!("{op:?}");
-    name.starts_with("Type") || name.starts_with("Constant") || matches!(op, Op::Variable | Op::Undef)
+    let is_type = (Op::TypeVoid..=Op::TypeForwardPointer).contains(&op);
+    let is_constant = (Op::ConstantTrue..=Op::SpecConstantOp).contains(&op);
+    is_type || is_constant || op == Op::Variable
 }

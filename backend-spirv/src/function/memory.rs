@@ -76,8 +76,16 @@ impl Emitter<'_> {
         match mem {
             Mem::Unchecked(column) => self.load_row(*column, scalar, row.value),
             Mem::Stream(column) => {
-                let row = self.clamped(column.buf, row.value);
-                let value = self.load_row(*column, scalar, row);
+                let value = match row.literal {
+                    Some(0) => {
+                        let word = self.top(Top::Base(*column));
+                        self.word_of(column.buf, scalar, word)
+                    }
+                    _ => {
+                        let row = self.clamped(column.buf, row.value);
+                        self.load_row(*column, scalar, row)
+                    }
+                };
                 let none = self.top(Top::IsEmpty(column.buf));
                 let nothing = match scalar {
                     Scalar::F32 => self.zero(),
@@ -125,15 +133,6 @@ impl Emitter<'_> {
     fn clamped(&mut self, buf: BufId, index: Value) -> Value {
         let last = self.top(Top::Last(buf));
         self.once(Known::Row(buf, index), |e| e.code.umin(index, last))
-    }
-
-    fn once(&mut self, what: Known, make: impl FnOnce(&mut Self) -> Value) -> Value {
-        if let Some(value) = self.look_up(what) {
-            return value;
-        }
-        let value = make(self);
-        self.know(what, value);
-        value
     }
 
     /// The word of a column in a row.
@@ -193,8 +192,11 @@ impl Emitter<'_> {
                 Rows::Array(block) if row.literal.is_some_and(|row| row >= self.arrays[&block].len) => continue,
                 Rows::Array(block) => row.literal.is_some() || self.is_inside(index, lanes, self.arrays[&block]),
             };
-            if mask == NodeId::NONE {
-                self.store_word(to, inside, row.value, (col, word));
+            let taken = if mask == NodeId::NONE { Some(Lit::Bool(true)) } else { self.literal_lane(mask, lane) };
+            if let Some(taken) = taken {
+                if taken == Lit::Bool(true) {
+                    self.store_word(to, inside, row.value, (col, word));
+                }
                 continue;
             }
             self.make_stores();

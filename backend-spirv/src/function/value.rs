@@ -55,6 +55,16 @@ impl Emitter<'_> {
         self.known.last_mut().expect("a block is open").insert(what, value);
     }
 
+    /// What is known, or is made now.
+    pub(super) fn once(&mut self, what: Known, make: impl FnOnce(&mut Self) -> Value) -> Value {
+        if let Some(value) = self.look_up(what) {
+            return value;
+        }
+        let value = make(self);
+        self.know(what, value);
+        value
+    }
+
     /// A node that the block at hand has computed, or a parameter that it passes on.
     pub(super) fn define(&mut self, x: NodeId, lanes: &[Value]) {
         for (lane, value) in lanes.iter().enumerate() {
@@ -103,7 +113,9 @@ impl Emitter<'_> {
                     lit => (self.lane(*x, lane), lit),
                 })
                 .collect();
-            ops::scalar(&mut self.code, op, scalar, &operands, zero)
+            // Lanes of a vector are often alike; scalars that are, are one node.
+            let values = std::array::from_fn(|i| operands.get(i).map(|x| x.0));
+            self.once(Known::Result(op, values), |e| ops::scalar(&mut e.code, op, scalar, &operands, zero))
         };
         (0..width).map(one).collect()
     }

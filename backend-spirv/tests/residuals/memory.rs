@@ -81,6 +81,22 @@ fun f(i: u32, v: u32x4, m: boolx4, return: fn(f32))
 }
 
 #[test]
+fn lanes_that_are_alike_are_made_once() {
+    let module = single(&format!(
+        "{ROW}entry f = f
+fun f(i: u32, x: f32, y: f32, return: fn())
+  v = pack x y x x
+  w = mul v v
+  m = pack true true false true
+  store s.a i w when m -> one
+  rest one()
+  jump return()
+"
+    ));
+    assert_eq!((count(&module, "*"), count(&module, "if (")), (2 + 3, 3), "{}", module.naga());
+}
+
+#[test]
 fn local_arrays_are_cleared_and_clamped() {
     for (len, loops) in [(1, 0), (8, 0), (9, 1), (300, 1)] {
         for scalar in ["f32", "bool", "i32", "u32"] {
