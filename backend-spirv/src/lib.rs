@@ -95,7 +95,7 @@
 //!   it is written (`spirv.rs`). A naga module itself has no exact form: Metal and Direct3D get the right program, with the
 //!   liberties that their compilers take;
 //! - a literal zero is read from the launch wherever arithmetic could meet it: drivers fold `x·0`, `x + 0` and `0 − x` even
-//!   under `NoContraction`;
+//!   under `NoContraction`. The word of a one is hidden likewise: a choice between it and a zero becomes a conversion;
 //! - what SPIR-V leaves open is spelled out: shifts by 32 and more, division by 0 and of the least integer by −1, floats beyond
 //!   the integers, minimum and maximum of NaN (`ops.rs`). `fma` is refused: no one promises that it rounds once.
 //!
@@ -113,7 +113,8 @@
 //! # Size
 //!
 //! Drivers take time that grows faster than the kernel; [`Budget`] has the figures. A traversal must stand in a kernel once.
-//! Calls do not help: Mesa unfolds them all.
+//! Calls do not help: Mesa unfolds them all. Of the 22 kernels of the wavefront device for the scene kitchen, 126,000 words
+//! together, the largest are the one that traces (14,200), the one for shadows (12,700) and a shader (12,200).
 //!
 //! # A machine without a GPU
 //!
