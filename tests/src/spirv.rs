@@ -151,7 +151,7 @@ impl Spirv {
         Ok(outcomes.into_iter().map(|(_, memory)| memory).next().unwrap_or_default())
     }
 
-    /// Run so many items of a kernel for each input; gives the words of the results, and memory.
+    /// Run so many items of a kernel for each input.
     fn launch(
         &self,
         module: &Module,
@@ -159,7 +159,7 @@ impl Spirv {
         inputs: &[Vec<Lit>],
         memory: &[Memory],
         items: u32,
-    ) -> Result<Vec<(Vec<u32>, Vec<Memory>)>, String> {
+    ) -> Result<Vec<Left>, String> {
         let gpu = &*self.gpu;
         let failed = |e: jerboa_backend_spirv::gpu::Error| e.to_string();
         let kernel = gpu.kernel(module).map_err(failed)?;
@@ -200,6 +200,9 @@ fn upload(gpu: &Gpu, words: &[u32]) -> Result<Words, String> {
     gpu.write(&memory, 0, words).map_err(|e| e.to_string())?;
     Ok(memory)
 }
+
+/// What a launch leaves: the words of its results, and memory.
+type Left = (Vec<u32>, Vec<Memory>);
 
 /// Where each input has each buffer: tables are shared, streams are not.
 struct Layouts {

@@ -2,7 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release -p jerboa-tests --bin acceptance -- [SCENE…] [--seconds S | --spp N] [--renders K]
-//!     [--ray-offset X] [--red CASE]
+//!     [--ray-offset X] [--red CASE] [--device cpu|cpu-scalar|gpu-megakernel|gpu-wavefront]
 //! ```
 //!
 //! Each scene is rendered K times (16), each with a seed of its own, at N samples per pixel or at those that S seconds
@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use jerboa_lib_render::host::compare::compare;
+use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
@@ -52,6 +53,7 @@ struct Args {
     renders: u32,
     ray_offset: f32,
     red: Option<Red>,
+    device: DeviceKind,
 }
 
 fn main() -> ExitCode {
@@ -79,8 +81,15 @@ fn run() -> Result<bool, String> {
 }
 
 fn parse() -> Result<Args, String> {
-    let mut args =
-        Args { scenes: Vec::new(), seconds: 10.0, spp: None, renders: 16, ray_offset: REFERENCE_OFFSET, red: None };
+    let mut args = Args {
+        scenes: Vec::new(),
+        seconds: 10.0,
+        spp: None,
+        renders: 16,
+        ray_offset: REFERENCE_OFFSET,
+        red: None,
+        device: DeviceKind::default(),
+    };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -95,6 +104,15 @@ fn parse() -> Result<Args, String> {
                     "mask" => Red::Mask,
                     other => return Err(format!("--red {other}: light or mask")),
                 });
+            }
+            "--device" => {
+                args.device = match value()?.as_str() {
+                    "cpu" => DeviceKind::Cpu,
+                    "cpu-scalar" => DeviceKind::CpuScalar,
+                    "gpu-megakernel" => DeviceKind::GpuMegakernel,
+                    "gpu-wavefront" => DeviceKind::GpuWavefront,
+                    other => return Err(format!("--device {other}: cpu, cpu-scalar, gpu-megakernel or gpu-wavefront")),
+                };
             }
             scene => args.scenes.push(scene.into()),
         }
@@ -117,7 +135,8 @@ fn t13(name: &str, args: &Args) -> Result<bool, String> {
     let camera = scene.camera_or_default();
     let choices =
         Choices { max_depth: Some(16), consistent_normals: false, ray_offset: args.ray_offset, ..Choices::default() };
-    let renderer = Renderer::new(&scene, Options { choices, ..Options::default() }).map_err(|e| e.to_string())?;
+    let renderer = Renderer::new(&scene, Options { choices, device: args.device, ..Options::default() })
+        .map_err(|e| e.to_string())?;
 
     let size = [reference.0.width, reference.0.height];
     let spp = match args.spp {

@@ -154,6 +154,35 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "vector.clone()",
         mistake: "a lane that has left a loop sees what the loop computes for others",
     },
+    // ---- back end for GPUs
+    Mutation {
+        name: "minimum-of-the-driver",
+        file: "backend-spirv/src/ops.rs",
+        before: "pick(c, B::Less, x, y)",
+        after: "c.umin(x, y)",
+        mistake: "`min` is the driver's, which gives the operand that is a number (naga, WGSL)",
+    },
+    Mutation {
+        name: "drivers-may-contract",
+        file: "backend-spirv/src/spirv.rs",
+        before: "is_float(op)",
+        after: "false",
+        mistake: "no float operation is decorated, so drivers contract and cancel (naga)",
+    },
+    Mutation {
+        name: "ones-are-literals",
+        file: "backend-spirv/src/function/top.rs",
+        before: "is_one(word)",
+        after: "false",
+        mistake: "a driver sees the bits of 1.0 beside those of -0.0 and takes them for 1 and 0 (Mesa)",
+    },
+    Mutation {
+        name: "exit-stays-under-way",
+        file: "backend-spirv/src/flow.rs",
+        before: "pieces.extend([Piece::Reset, piece])",
+        after: "pieces.extend([piece])",
+        mistake: "an exit through some frames is still noted the next time that one of them ends",
+    },
     // ---- peval, vectorize
     Mutation {
         name: "half-of-a-vectorize-is-none",
