@@ -195,6 +195,14 @@ impl Code {
         self.literal(Lit::f32(x))
     }
 
+    /// The number, if a value is a literal.
+    pub fn as_u32(&self, value: Value) -> Option<u32> {
+        match self.function.expressions[value] {
+            Expression::Literal(Literal::U32(x)) => Some(x),
+            _ => None,
+        }
+    }
+
     fn name(&mut self, name: Name) -> Value {
         if let Some(value) = self.names.get(&name) {
             return *value;

@@ -115,12 +115,14 @@ impl Emitter<'_> {
         let is_run = self.width(index) < lanes;
         let row = |lane: usize| {
             let (of, step) = if is_run { (0, lane as u32) } else { (lane, 0) };
-            let literal = self.literal_lane(index, of).map(|lit| lit.word().wrapping_add(step));
+            let first = self.lane(index, of);
+            // The value of a node may be a literal though the node is none: a lane of a vector of literals.
+            let literal = self.code.as_u32(first).map(|first| first.wrapping_add(step));
             let value = match (literal, step) {
                 (Some(row), _) => self.code.u32(row),
-                (None, 0) => self.lane(index, of),
+                (None, 0) => first,
                 (None, _) => {
-                    let (first, step) = (self.lane(index, of), self.code.u32(step));
+                    let step = self.code.u32(step);
                     self.code.binary(B::Add, first, step)
                 }
             };

@@ -128,6 +128,30 @@ fun f(i: u32, return: fn({scalar}, {scalar}, {scalar}))
 }
 
 #[test]
+fn literals_out_of_range_are_found_through_vectors() {
+    // naga refuses an index that is a literal, even where it is never used.
+    single(
+        "entry f = f
+fun f(n: u32, return: fn(u32, u32))
+  local u32 4 -> made
+  rest made(a: local(u32 4))
+    v = pack 9u n
+    i = lane v 0
+    store a i n -> stored
+  rest stored()
+    load a i -> one
+  rest one(x: u32)
+    j = div n 0u
+    k = bits 7i
+    load a k -> two
+  rest two(y: u32)
+    z = add y j
+    jump return(x, z)
+",
+    );
+}
+
+#[test]
 fn an_array_serves_a_loop_in_another_block() {
     single(
         "entry f = f
