@@ -80,10 +80,13 @@ pub fn sample_light(b: &mut Block, rng: Rng, point: Vec3) -> DirectLightSample {
     with_light(b, index, |b, light| light.sample_direct.call(b, (rng, point)))
 }
 
-/// The light that a uniform number draws: each with probability [`Lights::PROBABILITY`], to the bit.
+/// The light that a uniform number draws: each with probability [`Lights::PROBABILITY`], to the bit. A kernel that knows of
+/// only one reads that light once for all lanes.
 pub fn choose_light(b: &mut Block, u: F32) -> U32 {
-    let count = Row::<Settings>::at(0u32).get(Settings::LIGHT_COUNT);
-    invert(b, count, |i| Row::at(i).get(LightChoice::CDF), u)
+    let settings = Row::<Settings>::at(0u32);
+    let count = settings.get(Settings::LIGHT_COUNT);
+    let search = |b: &mut Block| invert(b, count, |i| Row::at(i).get(LightChoice::CDF), u);
+    b.if_(settings.get(Settings::HAS_ONE_LIGHT), |_| U32::from(0), search)
 }
 
 /// Do it with the light of a row of `Lights`, whatever its kind.

@@ -79,6 +79,8 @@ table! {
         HAS_ENVIRONMENT: Bool, structure;
         /// Is there any light that can be sampled?
         HAS_LIGHTS: Bool, structure;
+        /// Is there exactly one?
+        HAS_ONE_LIGHT: Bool, structure;
         /// Does any material cut holes (mask or blend)?
         HAS_CUTOUTS: Bool, structure;
         /// Does any volume absorb?

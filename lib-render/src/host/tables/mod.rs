@@ -214,6 +214,7 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::RAY_OFFSET, choices.ray_offset)
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
+        .set(S::HAS_ONE_LIGHT, lights == 1)
         .set(S::LIGHT_COUNT, lights)
         .set(S::HAS_CUTOUTS, tree::cutouts(scene).contains(&true))
         .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs));
