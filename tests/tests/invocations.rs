@@ -110,7 +110,7 @@ const SIZE: [u32; 2] = [16, 16];
 fn agree(name: &str, known: Known, tracer: TracerKind, most_bytes: u64) {
     let scene = load(name);
     let camera = scene.camera_or_default();
-    let options = Options { known, tracer, spp: 3, seed: 5, ..Options::default() };
+    let options = Options { known, tracer, spp: 12, seed: 5, ..Options::default() };
     let renderer = Renderer::new(&scene, options).unwrap_or_else(|e| panic!("{name}: {e}"));
     let mut right = Film::crop(SIZE, WINDOW);
     let stats = renderer.render(&camera, &mut right).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -121,15 +121,15 @@ fn agree(name: &str, known: Known, tracer: TracerKind, most_bytes: u64) {
         let mut device = device(kind, &tables, tracer, most_bytes);
         let mut film = Film::crop(SIZE, WINDOW);
         let mut rays = [0; 2];
-        // As the renderer cuts them.
-        for (sample, samples) in [(0, 1), (1, 1), (2, 1)] {
+        // So many in the second pass that a megakernel leaves some pixels for another launch.
+        for (sample, samples) in [(0, 1), (1, 11)] {
             let pass = Pass { size: SIZE, window: WINDOW, sample, samples, seed: 5 };
             let frame = frame(&camera, tables.origin, &pass).words;
             let (complete, more) = device.pass(&mut film, &pass, &frame, &Handle::default()).expect("it runs");
             assert!(complete, "{what}");
             (0..2).for_each(|k| rays[k] += more[k]);
         }
-        film.asked_below(3);
+        film.asked_below(12);
         assert!(film == right, "{what}: the films differ");
         assert_eq!(rays, [stats.closest_rays, stats.shadow_rays], "{what}");
     }

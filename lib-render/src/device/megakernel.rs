@@ -1,7 +1,7 @@
 //! The megakernel GPU device, IR half: one kernel that follows the paths of a pixel (paper, section 4.7).
 //!
 //! Invocation i traces all samples that a pass asks for of a pixel, one path after the other, and leaves their exact sum in
-//! row i of [`crate::schema::Pixels`]. A driver's compiler takes more than twice as long for twice the code, so there is one
+//! row i of [`crate::schema::Pixels`]; what is not done in one launch goes on in the next. A driver's compiler takes more than twice as long for twice the code, so there is one
 //! place where rays are traced: each turn of the loop traces the ray at hand, of a path or of a shadow, and what follows
 //! decides on the next one. What is hit is told apart by the evaluator's switch over classes of geometry.
 //!
@@ -17,7 +17,7 @@ use crate::device::cpu::item;
 use crate::device::pixel::PixelSum;
 use crate::device::stream::{kernel_name, vertex};
 use crate::ray::{Hit, Ray};
-use crate::schema::{Frame, Geometries, Primitives};
+use crate::schema::{Frame, Geometries, Paths, Primitives};
 use crate::tracer::{RayState, Tracer};
 use crate::traverse::memory::Memory;
 use crate::traverse::{Tests, traverse_here};
@@ -52,24 +52,59 @@ struct Turn {
 }
 impl_staged!(Turn { ray, is_shadow, vertex, light, goes_on, next, state, sum, closest, shadow, sample });
 
-/// Declare the kernel of a tracer: `count` pixels of the window from number `first` on.
+/// Vertices of a path, or of some, in one launch. A driver's watchdog ends a launch after two seconds; and Mesa's lavapipe
+/// leaves every loop of an invocation after 65,535 rounds in all, which is a walk of 1,000 steps for each of twice as many rays.
+const VERTICES: u32 = 32;
+
+/// Declare the kernel of a tracer: `count` pixels of the window from number `first` on. A launch begins if `fresh` is 1, else
+/// it goes on where the last one ended. A pixel is done when its sum has all samples.
 fn trace(name: &str, tracer: Tracer) {
     let name = kernel_name(name, "megakernel");
     entry(
         &name,
-        Fun::<(U32, U32, U32), ()>::named(&name, |b, (i, count, first)| {
-            b.when(i.lt(count), |b| pixel(b, tracer, i, first + i));
+        Fun::<(U32, U32, U32, U32), ()>::named(&name, |b, (i, count, first, fresh)| {
+            b.when(i.lt(count), |b| {
+                let pixel_at = (first + i) * samples();
+                b.when(fresh.ne(0), |b| {
+                    PixelSum::zero().store(b, i);
+                    let turn = start(b, tracer, pixel_at, 0.into());
+                    leave(b, i, turn);
+                });
+                let sum = PixelSum::load(b, i);
+                b.when((sum.count + sum.dropped).lt(samples()), |b| go_on_with(b, tracer, i, pixel_at));
+            });
         }),
     );
 }
 
-/// All samples of a pixel, summed in row i.
-fn pixel(b: &mut Block, tracer: Tracer, i: U32, pixel: U32) {
-    let samples = Row::<Frame>::at(0u32).get(Frame::SAMPLES);
-    PixelSum::zero().store(b, i);
+/// Samples of a pixel in this pass.
+fn samples() -> U32 {
+    Row::<Frame>::at(0u32).get(Frame::SAMPLES)
+}
+
+/// Leave a path for the next launch. Its ray is no shadow ray.
+fn leave(b: &mut Block, i: U32, turn: Turn) {
+    b.store_record(Paths::ORG_X, i, (turn.ray, turn.state));
+    b.store_record(Paths::R, i, (turn.sum, turn.closest, turn.shadow, turn.sample));
+}
+
+/// The path that was left.
+fn left(b: &mut Block, i: U32) -> Turn {
+    let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, i);
+    let (sum, closest, shadow, sample): (Color, U32, U32, U32) = b.load_record(Paths::R, i);
+    Turn { sum, closest, shadow, ..first_turn(ray, state, sample) }
+}
+
+/// Go on with the samples of a pixel, whose first item is `at`; they are summed in row i.
+fn go_on_with(b: &mut Block, tracer: Tracer, i: U32, at: U32) {
     let memory = Memory::new(b, 1);
-    let first = start(b, tracer, pixel * samples, 0.into());
-    b.loop_(first, |b, turn, next, done| {
+    let turn = left(b, i);
+    b.loop_((turn, U32::from(0)), |b, (turn, vertices), next, done| {
+        b.when(vertices.ge(VERTICES) & !turn.is_shadow, |b| {
+            leave(b, i, turn);
+            done.take(b, ())
+        });
+        let vertices = vertices + Bool::bits(!turn.is_shadow);
         let edge = RayState { vertex: turn.vertex, ..turn.state };
         let hit = traverse_here(b, Tests::default(), memory, (turn.ray, turn.is_shadow, make_accept(edge)));
         let turn = b.label(|b, then: Exit<Turn>| {
@@ -88,14 +123,14 @@ fn pixel(b: &mut Block, tracer: Tracer, i: U32, pixel: U32) {
             b.branch(turn.is_shadow, answered, found)
         });
         let ended = |b: &mut Block| {
-            let pixel_sum = PixelSum::load(b, i).with(turn.sum, turn.closest, turn.shadow);
-            pixel_sum.store(b, i);
+            let sum = PixelSum::load(b, i).with(turn.sum, turn.closest, turn.shadow);
+            sum.store(b, i);
             let sample = turn.sample + 1u32;
-            b.when(sample.eq(samples), |b| done.take(b, ()));
-            let turn = start(b, tracer, pixel * samples + sample, sample);
-            next.take(b, turn)
+            b.when(sample.eq(samples()), |b| done.take(b, ()));
+            let turn = start(b, tracer, at + sample, sample);
+            next.take(b, (turn, vertices))
         };
-        b.branch(turn.is_shadow | turn.goes_on, |b| next.take(b, turn), ended)
+        b.branch(turn.is_shadow | turn.goes_on, |b| next.take(b, (turn, vertices)), ended)
     })
 }
 
@@ -103,6 +138,11 @@ fn pixel(b: &mut Block, tracer: Tracer, i: U32, pixel: U32) {
 fn start(b: &mut Block, tracer: Tracer, at: U32, sample: U32) -> Turn {
     let (x, y, number) = item(at);
     let (ray, state) = tracer.on_emit.call(b, (x, y, number));
+    first_turn(ray, state, sample)
+}
+
+/// The first turn of a path that begins with this ray.
+fn first_turn(ray: Ray, state: RayState, sample: U32) -> Turn {
     Turn {
         ray,
         is_shadow: false.into(),

@@ -77,7 +77,7 @@ impl DeviceKind {
                 requests
             }
             DeviceKind::CpuScalar => vec![entry(tracer.kernel().into(), 2)],
-            DeviceKind::GpuMegakernel => vec![entry(of_tracer("megakernel"), 3)],
+            DeviceKind::GpuMegakernel => vec![entry(of_tracer("megakernel"), 4)],
             DeviceKind::GpuWavefront => {
                 let named = |stage: &str, traced| if traced { of_tracer(stage) } else { stage.into() };
                 let stages = wavefront::STAGES.iter();

@@ -5,7 +5,7 @@
 //! A piece grows while it takes less than a tenth of a second, and shrinks when it takes more than two: a driver's watchdog
 //! ends a launch that takes too long, and a render that is cancelled ends with the piece.
 //!
-//! * [`megakernel`] launches one kernel over the piece,
+//! * [`megakernel`] launches one kernel over the piece until all is done,
 //! * [`wavefront`] takes its paths from vertex to vertex.
 //!
 //! Both only say what to launch. A [`Machine`] does it: a GPU, or in tests whatever runs one invocation after the other.
@@ -184,7 +184,7 @@ impl<M: Machine> Device<M> {
     /// Have the sums of a piece's pixels in the first rows of [`Pixels`]; says whether that was completed.
     fn trace(&mut self, piece: Piece, handle: &Handle) -> Result<bool, Error> {
         match self.schedule {
-            Schedule::Megakernel => megakernel::trace(&mut self.machine, piece).map(|()| true),
+            Schedule::Megakernel => megakernel::trace(&mut self.machine, piece, handle),
             Schedule::Wavefront { classes } => wavefront::trace(&mut self.machine, classes, piece, handle),
         }
     }
