@@ -216,8 +216,18 @@ impl Film {
     }
 }
 
-/// The integer nearest to s·2^64. The product is exact in f64, and so is the rounding to an integer.
+/// The integer nearest to s·2^64. Where the last bit of s is worth no less, it is the mantissa in its place.
 fn to_fixed(s: f32) -> i128 {
+    const MANTISSA: u32 = f32::MANTISSA_DIGITS - 1;
+    const WHOLE: u32 = 127 + MANTISSA - FRACTION_BITS as u32;
+    let (bits, exponent) = (s.to_bits(), s.to_bits() >> MANTISSA & 0xff);
+    let Some(shift) = exponent.checked_sub(WHOLE) else { return if s == 0.0 { 0 } else { rounded(s) } };
+    let magnitude = i128::from(bits & ((1 << MANTISSA) - 1) | 1 << MANTISSA) << shift;
+    if s < 0.0 { -magnitude } else { magnitude }
+}
+
+/// The integer nearest to s·2^64. The product is exact in f64, and so is the rounding to an integer.
+fn rounded(s: f32) -> i128 {
     (f64::from(s) * f64::from(FRACTION_BITS).exp2()).round_ties_even() as i128
 }
 
@@ -258,6 +268,14 @@ mod tests {
         assert_eq!(round_mean(to_fixed(2.0) + to_fixed(f32::EPSILON), 2), 1.0);
         assert_eq!(round_mean(i128::MAX, u32::MAX), RANGE);
         assert_eq!(round_mean(1, u32::MAX), 2.0_f32.powi(-96));
+    }
+
+    #[test]
+    fn a_mantissa_in_its_place_is_the_nearest_integer() {
+        let magnitudes = (0..=RANGE.to_bits()).step_by(65_521).map(f32::from_bits);
+        for x in magnitudes.chain([RANGE, 2.0_f32.powi(-41), 2.0_f32.powi(-65)]).flat_map(|x| [x, -x]) {
+            assert_eq!(to_fixed(x), rounded(x), "{x}");
+        }
     }
 
     #[test]

@@ -191,16 +191,21 @@ impl Thread<'_, '_> {
     /// The nearest hits of these paths.
     fn trace(&mut self, stage: Stage, rows: Range<u32>) -> Result<(), Error> {
         let count = rows.len() as u32;
-        let native = self.tables.native.as_ref();
-        // Triangles with holes are in the kernels' tree.
-        let begun = native.is_none_or(|native| !native.is_all());
+        let tables = self.tables;
+        let Some(native) = &tables.native else {
+            return self.dispatch(stage, TRACE, count, &[rows.start, rows.end]);
+        };
+        // Triangles with holes are in the kernels' tree, for the rays that come near.
+        let begun = !native.is_all();
         if begun {
+            let Streams { paths, hits, walkers, .. } = &mut self.streams;
+            let walkers = walkers.get_or_insert_default();
+            let hidden = self.clock.stage(stage, 0, || streams::hide(native, walkers, rows.clone(), paths, hits));
             self.dispatch(stage, TRACE, count, &[rows.start, rows.end])?;
+            streams::show(&mut self.streams.paths, &hidden);
         }
-        let Some(native) = native else { return Ok(()) };
         let Streams { paths, hits, walkers, .. } = &mut self.streams;
         let walkers = walkers.get_or_insert_default();
-        let tables = self.tables;
         let rays = if begun { 0 } else { count };
         self.clock.stage(stage, rays, || streams::trace(native, walkers, tables, rows, begun, paths, hits));
         Ok(())
@@ -218,7 +223,7 @@ impl Thread<'_, '_> {
         let walkers = walkers.get_or_insert_default();
         let rays = if goes_on { 0 } else { count };
         self.clock.stage(Stage::Shadow, rays, || {
-            streams::shadow(native, walkers, rows, goes_on, shadows, next);
+            streams::shadow(native, walkers, rows, shadows, next);
         });
         if goes_on {
             self.dispatch(Stage::Shadow, SHADOW, count, &args)?;

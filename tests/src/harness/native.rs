@@ -1,6 +1,6 @@
 //! The native walk, asked what rays hit.
 
-use jerboa_lib_render::host::bvh::{Bounds, Triangle};
+use jerboa_lib_render::host::bvh::{Bvh, Triangle};
 use jerboa_lib_render::host::native::{Hit, Native, Ray, Rays, Walkers};
 use jerboa_lib_render::schema::NONE;
 
@@ -14,8 +14,8 @@ pub fn hits(triangles: &[Triangle], any_hit: bool, rays: &[Words]) -> Option<Vec
         println!("no native walk: this processor has no AVX-512");
         return None;
     }
-    let walk = hits_by(&Native::with_tree(triangles, Bounds::EMPTY).0, any_hit, rays);
-    let chosen = hits_by(&Native::new(triangles, Bounds::EMPTY).0, any_hit, rays);
+    let walk = hits_by(&Native::with_tree(triangles, &[]).0, any_hit, rays);
+    let chosen = hits_by(&Native::new(triangles, &[]).0, any_hit, rays);
     for ((walk, chosen), ray) in walk.iter().zip(&chosen).zip(rays) {
         // Of any hit, only whether there is one has a meaning.
         let words = if any_hit { 0..0 } else { 0..4 };
@@ -23,6 +23,19 @@ pub fn hits(triangles: &[Triangle], any_hit: bool, rays: &[Words]) -> Option<Vec
         assert_eq!(walk[words.clone()], chosen[words], "{ray:x?}");
     }
     Some(chosen)
+}
+
+/// The numbers of the rays that the walk says pass by all of these triangles, which lie in the boxes of their tree; `None`
+/// where the processor has no native walk.
+pub fn outside(triangles: &[Triangle], rays: &[Words]) -> Option<Vec<usize>> {
+    if !Native::is_there() {
+        return None;
+    }
+    const NOBODY: [u32; 4] = [NONE - 1; 4];
+    let mut asked = Asked { rays, next: 0, hits: vec![NOBODY; rays.len()], handed_in: 0 };
+    let (native, _) = Native::new(&[], &Bvh::build(triangles).parts());
+    native.outside(&mut Walkers::default(), &mut asked);
+    Some((0..rays.len()).filter(|ray| asked.hits[*ray] != NOBODY).collect())
 }
 
 fn hits_by(native: &Native, any_hit: bool, rays: &[Words]) -> Vec<[u32; 4]> {

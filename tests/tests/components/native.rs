@@ -8,7 +8,7 @@ use jerboa_lib_render::traverse::make_traverse;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
 use jerboa_tests::harness::hostile::{LISTS, soup};
-use jerboa_tests::harness::native::{Words, hits};
+use jerboa_tests::harness::native::{Words, hits, outside};
 use jerboa_tests::harness::rays::{AIMS, PLACES, SHAPES, ball, declare_traversal, load, ray};
 
 /// Asks both; gives how many rays hit.
@@ -103,6 +103,31 @@ fn ties_go_to_the_smallest_number_natively_too() {
         let found = compare(&mut bench, "repeated", triangles, &rays);
         assert!(count < 100 || found * 16 >= count, "{found} of {count} rays hit");
     }
+}
+
+#[test]
+fn rays_that_pass_by_hit_nothing() {
+    let (mut random, mut bench) = (Random::new(0x5eed_0044), bench());
+    let mut passing = 0;
+    for (list, size) in LISTS.iter().flat_map(|list| [500, 5].map(|size| (list, size))) {
+        let triangles = (list.make)(&mut random, size);
+        let rays: Vec<Words> = (0..25 * number("JERBOA_RAYS", 16))
+            .map(|i| {
+                let t = triangles.get(random.below(triangles.len().max(1))).copied().unwrap_or_default();
+                let org = random.point().map(|x| 2.0 * x * t[1][0].abs().clamp(1e-42, 1e38));
+                let to = if i.is_multiple_of(2) { t[i % 3] } else { random.point() };
+                limited(&mut random, ray(org, [0, 1, 2].map(|k| to[k] - org[k])), triangles.len())
+            })
+            .collect();
+        let Some(outside) = outside(&triangles, &rays) else { return };
+        load(&mut bench, &Bvh::build(&triangles), &triangles);
+        for number in &outside {
+            assert_eq!(bench.run("nearest", &rays[*number])[0], NONE, "{}: {:x?}", list.name, rays[*number]);
+        }
+        assert!(!triangles.is_empty() || outside.len() == rays.len(), "there is nothing to come near to");
+        passing += usize::from((1..rays.len()).contains(&outside.len()));
+    }
+    assert!(passing > LISTS.len(), "some rays pass by in {passing} lists only");
 }
 
 #[test]

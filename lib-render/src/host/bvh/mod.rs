@@ -99,6 +99,16 @@ impl Bvh {
         }
     }
 
+    /// Boxes around all triangles: at most 16, those of two levels of the tree.
+    pub fn parts(&self) -> Vec<Bounds> {
+        let Some(root) = self.nodes.first() else { return Vec::new() };
+        let below = root.child.iter().zip(root.bounds).flat_map(|(child, own)| match *child {
+            ChildRef::Inner(node) => self.nodes[node as usize].bounds.to_vec(),
+            ChildRef::Leaf { .. } => vec![own],
+        });
+        below.filter(|part| *part != Bounds::EMPTY).collect()
+    }
+
     /// The tree in memory, with the corners of `triangles`, those it was built over: see `layout`.
     pub fn words(&self, triangles: &[Triangle]) -> Vec<u32> {
         layout::words(&self.nodes, &self.order, &self.bounds, triangles)

@@ -68,12 +68,18 @@ pub trait Rays {
     fn next(&mut self) -> Option<(u32, Ray, Hit)>;
     /// What the ray of this number hits.
     fn done(&mut self, number: u32, hit: Hit);
+    /// What will be read of a primitive when a hit on it is handed in, if anything: memory is asked for it in time.
+    fn needs(&self, primitive: u32) -> *const u32 {
+        _ = primitive;
+        std::ptr::null()
+    }
 }
 
 /// A scene's triangles for the native walk.
 pub struct Native {
     triangles: Triangles,
-    is_all: bool,
+    /// Where the rest of the scene lies.
+    others: Vec<Bounds>,
 }
 
 impl Native {
@@ -82,12 +88,11 @@ impl Native {
         avx512::is_there()
     }
 
-    /// Triangles made ready, and which of them are left out. The rest of the scene lies in a box, [`Bounds::EMPTY`] if this is
-    /// all.
+    /// Triangles made ready, and which of them are left out. The rest of the scene, if there is any, lies in boxes.
     ///
     /// # Panics
     /// On processors that never have what it takes.
-    pub fn new(triangles: &[Triangle], others: Bounds) -> (Native, Dropped) {
+    pub fn new(triangles: &[Triangle], others: &[Bounds]) -> (Native, Dropped) {
         Native::of(triangles, others, usize::MAX)
     }
 
@@ -95,23 +100,32 @@ impl Native {
     ///
     /// # Panics
     /// As [`Native::new`].
-    pub fn with_tree(triangles: &[Triangle], others: Bounds) -> (Native, Dropped) {
+    pub fn with_tree(triangles: &[Triangle], others: &[Bounds]) -> (Native, Dropped) {
         Native::of(triangles, others, 0)
     }
 
-    fn of(triangles: &[Triangle], others: Bounds, few: usize) -> (Native, Dropped) {
-        let (triangles, dropped) = Triangles::new(triangles, others, few);
-        (Native { triangles, is_all: others == Bounds::EMPTY }, dropped)
+    fn of(triangles: &[Triangle], others: &[Bounds], few: usize) -> (Native, Dropped) {
+        let around = others.iter().fold(Bounds::EMPTY, |all, part| all.union(part));
+        let (triangles, dropped) = Triangles::new(triangles, around, few);
+        (Native { triangles, others: others.to_vec() }, dropped)
     }
 
     /// Are all triangles of the scene there?
     pub fn is_all(&self) -> bool {
-        self.is_all
+        self.others.is_empty()
     }
 
     /// The box of the scene.
     pub fn bounds(&self) -> Bounds {
         self.triangles.bounds()
+    }
+
+    /// Hands in, with the best hits so far, the rays that hit nothing in the rest of the scene for certain.
+    ///
+    /// # Panics
+    /// Unless [`Native::is_there`].
+    pub fn outside(&self, walkers: &mut Walkers, rays: &mut impl Rays) {
+        self.triangles.outside(&self.others, walkers, rays);
     }
 
     /// Traces rays. Where any hit is as good as the nearest, nothing but whether there is one has a meaning.

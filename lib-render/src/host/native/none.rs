@@ -21,6 +21,11 @@ impl Triangles {
         Bounds::EMPTY
     }
 
+    /// There is nothing to pass by.
+    pub fn outside(&self, _: &[Bounds], _: &mut Walkers, _: &mut impl Rays) {
+        panic!("there is no native walk for this processor");
+    }
+
     /// There is nothing to trace rays in.
     pub fn trace(&self, _: &mut Walkers, _: bool, _: &mut impl Rays) {
         panic!("there is no native walk for this processor");

@@ -24,17 +24,41 @@ pub(in crate::host) fn trace(
     native.trace(walkers, false, &mut Trace { rows, begun, paths, hits, primitives, geometries });
 }
 
-/// Adds the light of shadow rays that no triangle blocks. `goes_on`: of those that are not blocked it leaves the light to the
-/// kernel, which asks cut-outs.
+/// Hides from the kernel, which asks cut-outs, the paths whose rays pass them by: they hit nothing there. Gives their rows
+/// and what [`show`] puts back.
+pub(in crate::host) fn hide(
+    native: &Native,
+    walkers: &mut Walkers,
+    rows: Range<u32>,
+    paths: &mut Stream,
+    hits: &mut Stream,
+) -> Vec<(u32, u32)> {
+    let mut hide = Hide { rows, paths, hits, hidden: Vec::new() };
+    native.outside(walkers, &mut hide);
+    hide.hidden
+}
+
+/// Shows hidden paths again.
+pub(in crate::host) fn show(paths: &mut Stream, hidden: &[(u32, u32)]) {
+    for (row, alive) in hidden {
+        paths.row_mut(*row as usize)[Paths::ALIVE.0 as usize] = *alive;
+    }
+}
+
+/// Adds the light of shadow rays that no triangle blocks. Of those that may meet cut-outs it leaves the light to the kernel,
+/// which asks them.
 pub(in crate::host) fn shadow(
     native: &Native,
     walkers: &mut Walkers,
     rows: Range<u32>,
-    goes_on: bool,
     shadows: &mut Stream,
     next: &mut Stream,
 ) {
-    native.trace(walkers, true, &mut Shadow { rows, goes_on, shadows, next });
+    let mut all = Shadow { rows: rows.clone(), goes_on: !native.is_all(), shadows, next };
+    native.trace(walkers, true, &mut all);
+    if all.goes_on {
+        native.outside(walkers, &mut Shadow { rows, goes_on: false, ..all });
+    }
 }
 
 /// The record `Ray` of a row, which begins with it.
@@ -51,6 +75,49 @@ fn ray(row: &[u32]) -> Ray {
     }
 }
 
+/// The next row of a path that goes on.
+#[inline]
+fn live(rows: &mut Range<u32>, paths: &Stream) -> Option<u32> {
+    rows.find(|row| paths.row(*row as usize)[Paths::ALIVE.0 as usize] != 0)
+}
+
+/// Notes what a path hits.
+#[inline]
+fn put(hits: &mut Stream, row: u32, hit: Hit, class: u32) {
+    let row = hits.row_mut(row as usize);
+    let words = [
+        (Hits::PRIMITIVE.0, hit.primitive),
+        (Hits::T.0, hit.t.to_bits()),
+        (Hits::U.0, hit.u.to_bits()),
+        (Hits::V.0, hit.v.to_bits()),
+        (Hits::CLASS.0, class),
+    ];
+    words.into_iter().for_each(|(column, word)| row[column as usize] = word);
+}
+
+struct Hide<'a> {
+    rows: Range<u32>,
+    paths: &'a mut Stream,
+    hits: &'a mut Stream,
+    hidden: Vec<(u32, u32)>,
+}
+
+impl Rays for Hide<'_> {
+    #[inline]
+    fn next(&mut self) -> Option<(u32, Ray, Hit)> {
+        let row = live(&mut self.rows, self.paths)?;
+        let ray = ray(self.paths.row(row as usize));
+        Some((row, ray, Hit::miss(ray.tmax)))
+    }
+
+    #[inline]
+    fn done(&mut self, row: u32, hit: Hit) {
+        put(self.hits, row, hit, NONE);
+        let alive = &mut self.paths.row_mut(row as usize)[Paths::ALIVE.0 as usize];
+        self.hidden.push((row, std::mem::take(alive)));
+    }
+}
+
 struct Trace<'a> {
     rows: Range<u32>,
     begun: bool,
@@ -63,16 +130,15 @@ struct Trace<'a> {
 impl Trace<'_> {
     /// The class of the geometry of a primitive.
     fn class(&self, primitive: u32) -> u32 {
-        let place = |row: u32, columns: usize, column: u32| row as usize * columns + column as usize;
-        let geometry = self.primitives[place(primitive, Primitives::COLUMNS.len(), Primitives::GEOMETRY.0)];
-        self.geometries[place(geometry, Geometries::COLUMNS.len(), Geometries::CLASS.0)]
+        let geometry = self.primitives[geometry_of(primitive)] as usize;
+        self.geometries[geometry * Geometries::COLUMNS.len() + Geometries::CLASS.0 as usize]
     }
 }
 
 impl Rays for Trace<'_> {
     #[inline]
     fn next(&mut self) -> Option<(u32, Ray, Hit)> {
-        let row = self.rows.find(|row| self.paths.row(*row as usize)[Paths::ALIVE.0 as usize] != 0)?;
+        let row = live(&mut self.rows, self.paths)?;
         let ray = ray(self.paths.row(row as usize));
         let before = || {
             let row = self.hits.row(row as usize);
@@ -90,16 +156,19 @@ impl Rays for Trace<'_> {
     #[inline]
     fn done(&mut self, row: u32, hit: Hit) {
         let class = if hit.primitive == NONE { NONE } else { self.class(hit.primitive) };
-        let row = self.hits.row_mut(row as usize);
-        let words = [
-            (Hits::PRIMITIVE.0, hit.primitive),
-            (Hits::T.0, hit.t.to_bits()),
-            (Hits::U.0, hit.u.to_bits()),
-            (Hits::V.0, hit.v.to_bits()),
-            (Hits::CLASS.0, class),
-        ];
-        words.into_iter().for_each(|(column, word)| row[column as usize] = word);
+        put(self.hits, row, hit, class);
     }
+
+    #[inline]
+    fn needs(&self, primitive: u32) -> *const u32 {
+        self.primitives.as_ptr().wrapping_add(geometry_of(primitive))
+    }
+}
+
+/// Where the geometry of a primitive is, in their table.
+#[inline]
+fn geometry_of(primitive: u32) -> usize {
+    primitive as usize * Primitives::COLUMNS.len() + Primitives::GEOMETRY.0 as usize
 }
 
 struct Shadow<'a> {

@@ -49,7 +49,7 @@ impl SceneTree {
             (Vec::new(), Cow::from(triangles))
         };
         let bvh = Bvh::build(&with_holes);
-        let (native, of_whole) = Native::new(&whole, bvh.bounds);
+        let (native, of_whole) = Native::new(&whole, &bvh.parts());
         let nowhere = with_holes.len() + whole.len() - triangles.len();
         let dropped = Dropped {
             non_finite: bvh.dropped.non_finite + of_whole.non_finite - nowhere,

@@ -36,7 +36,7 @@ struct Row {
 /// What is kept between calls.
 #[derive(Default)]
 pub(super) struct Desk {
-    rays: Sixteen,
+    pub rays: Sixteen,
     /// The corners as the rays see them.
     seen: Vec<Seen>,
 }
@@ -82,7 +82,7 @@ impl Few {
                 some &= some - 1;
                 self.rows[row].complete(meets[row], &lines, sixteen, seen);
             }
-            sixteen.hand_in(rays);
+            sixteen.hand_in(rays, !0);
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod few;
 mod line;
+mod outside;
 mod sixteen;
 mod tree;
 mod triangle;
@@ -14,7 +15,7 @@ use crate::host::bvh::{Bounds, Dropped, Triangle};
 use crate::schema::NONE;
 use few::Few;
 use tree::WideTree;
-use vector::prefetch;
+use vector::{prefetch, prefetch_word};
 use walker::{Lists, Next};
 
 pub use walker::Walkers;
@@ -56,6 +57,16 @@ impl Triangles {
             Triangles::Few(few) => few.scene,
             Triangles::Many(tree) => tree.bounds,
         }
+    }
+
+    /// Hands in the rays that enter none of these boxes, in their scene; see [`outside::outside`].
+    ///
+    /// # Panics
+    /// Where the instructions are not there.
+    pub fn outside(&self, boxes: &[Bounds], walkers: &mut Walkers, rays: &mut impl Rays) {
+        assert!(is_there(), "the native walk takes AVX-512");
+        // SAFETY: the instructions are there.
+        unsafe { outside::outside(&self.bounds(), boxes, &mut walkers.desk.rays, rays) }
     }
 
     /// Traces rays.
@@ -180,6 +191,7 @@ impl<'a, R: Rays> Walk<'a, R> {
                 continue;
             }
             if is_better && !ANY {
+                prefetch_word(self.rays.needs(best.primitive));
                 walker.forget_farther();
             }
             let next = walker.pop();

@@ -60,11 +60,11 @@ impl Sixteen {
         }
     }
 
-    /// Hands in what they hit.
+    /// Hands in what those of some lanes hit.
     #[inline]
-    pub fn hand_in(&self, rays: &mut impl Rays) {
+    pub fn hand_in(&self, rays: &mut impl Rays, lanes: __mmask16) {
         let Best { primitive, t, u, v } = &self.best;
-        for lane in 0..self.count.min(16) {
+        for lane in (0..self.count.min(16)).filter(|lane| lanes >> lane & 1 == 1) {
             let hit = Hit { primitive: primitive[lane], t: t[lane], u: u[lane], v: v[lane] };
             rays.done(self.numbers[lane], hit);
         }

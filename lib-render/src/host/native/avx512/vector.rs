@@ -127,6 +127,13 @@ pub(super) fn descending(v: __m256i) -> __m256i {
     exchange!(v, _mm256_shuffle_epi32::<0b10_11_00_01>(v), 0b1010_1010)
 }
 
+/// Asks the memory for a word.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn prefetch_word(at: *const u32) {
+    _mm_prefetch::<_MM_HINT_T0>(at.cast());
+}
+
 /// Asks the memory for a child, which will soon be needed. Without a branch.
 #[inline]
 #[target_feature(enable = "avx512f,avx512vl")]
