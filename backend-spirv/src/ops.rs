@@ -14,8 +14,9 @@ use crate::code::{Code, Value};
 pub(crate) type Operand = (Value, Option<Lit>);
 
 /// Code of one operation on scalars. `scalar` is the type of the last operand, the T of the operation's rule (for a shift
-/// that of the first); `zero` is a +0 that no driver can fold. Operations over lanes are not here: see [`over_lanes`].
-pub(crate) fn scalar(c: &mut Code, op: Op, scalar: Scalar, args: &[Operand], zero: Value) -> Value {
+/// that of the first). The absorbing product has a third operand, a +0 that no driver can fold. Operations over lanes are not
+/// here: see [`over_lanes`].
+pub(crate) fn scalar(c: &mut Code, op: Op, scalar: Scalar, args: &[Operand]) -> Value {
     let float = scalar == Scalar::F32;
     let (x, y) = (args[0].0, args[args.len().min(2) - 1].0);
     match op {
@@ -48,7 +49,7 @@ pub(crate) fn scalar(c: &mut Code, op: Op, scalar: Scalar, args: &[Operand], zer
             let x_is_zero = c.binary(B::Equal, x, none);
             let y_is_zero = c.binary(B::Equal, y, none);
             let absorbs = c.binary(B::LogicalOr, x_is_zero, y_is_zero);
-            c.select(absorbs, zero, product)
+            c.select(absorbs, args[2].0, product)
         }
         Op::Sqrt => c.math(MathFunction::Sqrt, x),
         Op::Floor => c.math(MathFunction::Floor, x),

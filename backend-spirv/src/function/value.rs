@@ -104,18 +104,18 @@ impl Emitter<'_> {
         };
         // What is only compared may be a literal zero.
         let compares = matches!(op.rule(), Rule::Equal | Rule::Order);
-        let zero = if op == Op::Absorb { self.zero() } else { self.code.u32(0) };
         let one = |lane: usize| {
-            let operands: Vec<ops::Operand> = args
+            let mut operands: Vec<ops::Operand> = args
                 .iter()
                 .map(|x| match self.literal_lane(*x, lane) {
                     Some(Lit::F32(bits)) if compares && bits << 1 == 0 => (self.code.f32(0.0), None),
                     lit => (self.lane(*x, lane), lit),
                 })
                 .collect();
+            operands.extend((op == Op::Absorb).then(|| (self.zero(), None)));
             // Lanes of a vector are often alike; scalars that are, are one node.
             let values = std::array::from_fn(|i| operands.get(i).map(|x| x.0));
-            self.once(Known::Result(op, values), |e| ops::scalar(&mut e.code, op, scalar, &operands, zero))
+            self.once(Known::Result(op, values), |e| ops::scalar(&mut e.code, op, scalar, &operands))
         };
         (0..width).map(one).collect()
     }
