@@ -216,7 +216,7 @@ fn on_scalars_on_the_gpu() {
     suite(&gpu, 1);
     let fma = forms(1).into_iter().find(|f| f.op == Op::Fma).expect("it is an operation");
     let generic = Generic::new(program(&fma));
-    let program = residual(&generic, &vec![Arg::Unknown; 3]);
+    let program = residual(&generic, &[Arg::Unknown; 3]);
     let refused = gpu.module(&program, "main", Grid::Single).expect_err("it may round twice");
     assert!(refused.contains("fma"), "{refused}");
 }
