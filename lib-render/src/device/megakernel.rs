@@ -1,9 +1,10 @@
 //! The megakernel GPU device, IR half: one kernel that follows the paths of a pixel (paper, section 4.7).
 //!
 //! Invocation i traces all samples that a pass asks for of a pixel, one path after the other, and leaves their exact sum in
-//! row i of [`crate::schema::Pixels`]; what is not done in one launch goes on in the next. A driver's compiler takes more than twice as long for twice the code, so there is one
-//! place where rays are traced: each turn of the loop traces the ray at hand, of a path or of a shadow, and what follows
-//! decides on the next one. What is hit is told apart by the evaluator's switch over classes of geometry.
+//! row i of [`crate::schema::Pixels`]; what is not done in one launch goes on in the next. A driver's compiler takes more than
+//! twice as long for twice the code, so there is one place where rays are traced: each turn of the loop traces the ray at
+//! hand, of a path or of a shadow, and what follows decides on the next one. What is hit is told apart by the evaluator's
+//! switch over classes of geometry.
 //!
 //! A path adds the very numbers that the scalar device ([`super::cpu`]) adds, in its order, so both give the same bits.
 

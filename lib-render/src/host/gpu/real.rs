@@ -80,10 +80,6 @@ impl Emitted {
     }
 }
 
-/// Most words of SPIR-V of a kernel. The megakernel has all of a scene in it: that of the kitchen, 62,000, takes Mesa's lavapipe
-/// 22.3 nine seconds, and twice as many may take half a minute.
-const MOST_WORDS: usize = 120_000;
-
 /// The modules of kernels for these tables, from their residuals and the times that these took; in parallel.
 ///
 /// # Errors
@@ -101,11 +97,7 @@ fn emit_packed(
     requests: &[Request],
     residuals: Vec<(Residual, Duration)>,
 ) -> Result<Vec<Emitted>, Error> {
-    let options = spirv::Options {
-        packing: spirv::Packing(packing.memories.clone()),
-        budget: spirv::Budget { words: MOST_WORDS },
-        ..spirv::Options::default()
-    };
+    let options = spirv::Options { packing: spirv::Packing(packing.memories.clone()), ..spirv::Options::default() };
     let one = |(request, (residual, specialize_time)): (&Request, (Residual, Duration))| {
         let start = thread_time();
         let module = spirv::emit(&residual.program, &request.entry, &options).map_err(|e| Error::new(e.to_string()))?;
