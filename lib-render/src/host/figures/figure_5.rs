@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use jerboa_scenes::Scene;
 
+use super::devices::DEVICES;
 use super::{Chart, Group, LEVELS, Spread};
 use crate::host::code_cache::forget_unused;
 use crate::host::device::DeviceKind;
@@ -18,14 +19,6 @@ use crate::host::error::Error;
 use crate::host::generate::{Keep, Request, TracerKind, generate, residuals};
 use crate::host::gpu;
 use crate::host::tables::{Choices, Tables};
-
-/// The devices, by the names of the command line.
-const DEVICES: [(DeviceKind, &str); 4] = [
-    (DeviceKind::Cpu, "cpu"),
-    (DeviceKind::CpuScalar, "cpu-scalar"),
-    (DeviceKind::GpuMegakernel, "gpu-megakernel"),
-    (DeviceKind::GpuWavefront, "gpu-wavefront"),
-];
 
 /// What making kernels took, and how many bytes of code they are.
 struct Made {
