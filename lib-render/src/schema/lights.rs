@@ -1,0 +1,78 @@
+//! Lights, and how one is chosen.
+
+use jerboa_ir::table;
+
+use super::Materials;
+
+/// [`Lights::KIND`]: a point, intensity in W/sr.
+pub const LIGHT_POINT: u32 = 0;
+/// [`Lights::KIND`]: a cone with a smooth edge, KHR_lights_punctual.
+pub const LIGHT_SPOT: u32 = 1;
+/// [`Lights::KIND`]: parallel light, irradiance in W/m² on a facing plane.
+pub const LIGHT_DIRECTIONAL: u32 = 2;
+/// [`Lights::KIND`]: an emissive triangle.
+pub const LIGHT_TRIANGLE: u32 = 3;
+/// [`Lights::KIND`]: two emissive triangles that form a parallelogram, sampled as one.
+pub const LIGHT_QUAD: u32 = 4;
+/// [`Lights::KIND`]: the environment map.
+pub const LIGHT_ENVIRONMENT: u32 = 5;
+
+table! {
+    /// Lights, one row each; the environment is one of them.
+    pub classed Lights {
+        /// `LIGHT_*`.
+        KIND: U32, structure;
+        /// Area lights: does emission leave both sides?
+        DOUBLE_SIDED: Bool, structure;
+        /// Area lights: is emission textured?
+        TEXTURED: Bool, structure;
+        /// Area lights: the material.
+        MATERIAL: ref Materials, structure;
+        /// Probability of choosing this light.
+        PROBABILITY: F32, value;
+        /// Area lights: the (first) primitive.
+        PRIMITIVE: U32, value;
+        /// Area lights: the second primitive of a quad, or `NONE`. Its corners are P0+E1+E2, P0+E2, P0+E1 in some order.
+        PRIMITIVE1: U32, value;
+        /// Position, or corner P0 of an area light, world.
+        P_X: F32, value;
+        /// See [`Lights::P_X`].
+        P_Y: F32, value;
+        /// See [`Lights::P_X`].
+        P_Z: F32, value;
+        /// Edge P1 − P0 of an area light, m; direction in which a spot or a directional light shines, unit.
+        E1_X: F32, value;
+        /// See [`Lights::E1_X`].
+        E1_Y: F32, value;
+        /// See [`Lights::E1_X`].
+        E1_Z: F32, value;
+        /// Edge P2 − P0 of an area light, m.
+        E2_X: F32, value;
+        /// See [`Lights::E2_X`].
+        E2_Y: F32, value;
+        /// See [`Lights::E2_X`].
+        E2_Z: F32, value;
+        /// Radiance (area), intensity W/sr (point, spot), irradiance W/m² (directional).
+        R: F32, value;
+        /// See [`Lights::R`].
+        G: F32, value;
+        /// See [`Lights::R`].
+        B: F32, value;
+        /// Area, m².
+        AREA: F32, value;
+        /// Spot: cosine of the outer angle.
+        COS_OUTER: F32, value;
+        /// Spot: cosine of the inner angle.
+        COS_INNER: F32, value;
+        /// Radius of the scene's bounding sphere, m (emission sampling of infinite lights).
+        SCENE_RADIUS: F32, value;
+    }
+}
+
+table! {
+    /// Cumulative probabilities of the lights: one more than there are lights, from 0 to 1.
+    pub LightChoice {
+        /// Probability of the lights before this one.
+        CDF: F32, bulk;
+    }
+}

@@ -1,0 +1,123 @@
+//! Materials: which lobes a surface can have at all, and their numbers.
+
+use jerboa_ir::table;
+
+use super::Textures;
+
+/// [`Materials::ALPHA_MODE`]: every hit counts.
+pub const ALPHA_OPAQUE: u32 = 0;
+/// [`Materials::ALPHA_MODE`]: a hit counts where alpha ≥ cutoff.
+pub const ALPHA_MASK: u32 = 1;
+/// [`Materials::ALPHA_MODE`]: a hit counts with probability alpha.
+pub const ALPHA_BLEND: u32 = 2;
+
+/// GGX α below which a lobe counts as perfectly smooth (accuracy.md, T6): the [`Materials::SMOOTH`] column and the decision
+/// per hit, hence `sample`, `pdf` and `eval`, agree on it.
+pub const SMOOTH_ALPHA: f32 = 1e-3;
+
+/// [`Materials::SMOOTH`]: the microfacet lobes have α ≥ [`SMOOTH_ALPHA`] everywhere.
+pub const SMOOTH_NEVER: u32 = 0;
+/// [`Materials::SMOOTH`]: α < 1e-3 everywhere: perfect reflection and refraction.
+pub const SMOOTH_ALWAYS: u32 = 1;
+/// [`Materials::SMOOTH`]: a texture decides at each hit.
+pub const SMOOTH_PER_HIT: u32 = 2;
+
+table! {
+    /// Materials, as glTF describes them, with the lobes that can be present at all as structure.
+    pub classed Materials {
+        /// A hit adds the base colour as emission and ends the path.
+        UNLIT: Bool, structure;
+        /// Does it emit?
+        EMISSIVE: Bool, structure;
+        /// Does emission leave both sides? (It never affects intersection.)
+        DOUBLE_SIDED: Bool, structure;
+        /// `ALPHA_*`.
+        ALPHA_MODE: U32, structure;
+        /// Diffuse lobe: not all metal, not all transmission.
+        HAS_DIFFUSE: Bool, structure;
+        /// Dielectric reflection layer: specular above 0 and not all metal.
+        HAS_SPECULAR: Bool, structure;
+        /// Metal lobe: metallic may be above 0.
+        HAS_METAL: Bool, structure;
+        /// Transmission lobe.
+        HAS_TRANSMISSION: Bool, structure;
+        /// Transmission without a volume: light passes straight, the surface has no inside.
+        THIN: Bool, structure;
+        /// Does the volume absorb?
+        HAS_ABSORPTION: Bool, structure;
+        /// `SMOOTH_*`.
+        SMOOTH: U32, structure;
+        /// Physically corrected Phong instead (diffuse `BASE`, specular `SPECULAR_*`, exponent `PHONG_NS`).
+        PHONG: Bool, structure;
+        /// Base colour has a texture.
+        BASE_TEXTURED: Bool, structure;
+        /// Metallic and roughness have a texture.
+        METALLIC_ROUGHNESS_TEXTURED: Bool, structure;
+        /// There is a normal map.
+        NORMAL_TEXTURED: Bool, structure;
+        /// Emission has a texture.
+        EMISSION_TEXTURED: Bool, structure;
+        /// Specular strength has a texture (alpha channel).
+        SPECULAR_TEXTURED: Bool, structure;
+        /// Specular colour has a texture.
+        SPECULAR_COLOR_TEXTURED: Bool, structure;
+        /// Transmission has a texture (red channel).
+        TRANSMISSION_TEXTURED: Bool, structure;
+        /// Base colour texture; row 0 where there is none.
+        BASE_TEXTURE: ref Textures, structure;
+        /// Metallic (blue) and roughness (green).
+        METALLIC_ROUGHNESS_TEXTURE: ref Textures, structure;
+        /// Normal map.
+        NORMAL_TEXTURE: ref Textures, structure;
+        /// Emission.
+        EMISSION_TEXTURE: ref Textures, structure;
+        /// Specular strength.
+        SPECULAR_TEXTURE: ref Textures, structure;
+        /// Specular colour.
+        SPECULAR_COLOR_TEXTURE: ref Textures, structure;
+        /// Transmission.
+        TRANSMISSION_TEXTURE: ref Textures, structure;
+        /// Base colour factor, linear.
+        BASE_R: F32, value;
+        /// See [`Materials::BASE_R`].
+        BASE_G: F32, value;
+        /// See [`Materials::BASE_R`].
+        BASE_B: F32, value;
+        /// Alpha factor.
+        BASE_A: F32, value;
+        /// Smallest alpha of a hit, mode mask.
+        ALPHA_CUTOFF: F32, value;
+        /// Metallic factor in [0, 1].
+        METALLIC: F32, value;
+        /// Roughness factor in [0, 1]; α is its square.
+        ROUGHNESS: F32, value;
+        /// Scale of the normal map's x and y.
+        NORMAL_SCALE: F32, value;
+        /// Emitted radiance, W/(m² sr), strength included.
+        EMISSION_R: F32, value;
+        /// See [`Materials::EMISSION_R`].
+        EMISSION_G: F32, value;
+        /// See [`Materials::EMISSION_R`].
+        EMISSION_B: F32, value;
+        /// Index of refraction inside, relative to outside.
+        IOR: F32, value;
+        /// Specular strength in [0, 1].
+        SPECULAR: F32, value;
+        /// Specular colour factor; Phong's reflectance.
+        SPECULAR_R: F32, value;
+        /// See [`Materials::SPECULAR_R`].
+        SPECULAR_G: F32, value;
+        /// See [`Materials::SPECULAR_R`].
+        SPECULAR_B: F32, value;
+        /// Transmission factor in [0, 1].
+        TRANSMISSION: F32, value;
+        /// Absorption coefficient of the volume, 1/m.
+        ABSORPTION_R: F32, value;
+        /// See [`Materials::ABSORPTION_R`].
+        ABSORPTION_G: F32, value;
+        /// See [`Materials::ABSORPTION_R`].
+        ABSORPTION_B: F32, value;
+        /// Phong exponent.
+        PHONG_NS: F32, value;
+    }
+}
