@@ -4,10 +4,7 @@ use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row};
 
 use crate::bsdf::Bsdf;
-use crate::bsdf::diffuse::make_diffuse_bsdf;
 use crate::bsdf::gltf::GltfValues;
-use crate::bsdf::mix::make_mix_bsdf;
-use crate::bsdf::phong::make_phong_bsdf;
 use crate::core::color::{Color, black, color};
 use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
@@ -51,7 +48,7 @@ pub struct Material {
 }
 impl_staged!(Material { bsdf, emission, is_emissive, is_unlit, base, absorption, normal });
 
-/// Tint of the layer, or Phong's reflectance.
+/// Tint of the layer.
 const SPECULAR_COLOR: [Col<Materials, F32>; 3] = [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B];
 
 /// A colour that stands in three columns.
@@ -123,18 +120,6 @@ pub fn gltf_values(b: &mut Block, row: Row<Materials>, base: Color, uv: [Vec2; 2
         specular_color: textured(b, row, SPECULAR_COLOR, tint, uv),
         transmission,
     }
-}
-
-/// Phong's material, as the paper's shader builds it.
-pub fn make_phong_material(row: Row<Materials>, surf: SurfaceElement, kd: Color) -> Bsdf {
-    make_mixed_phong_bsdf(surf, kd, read_color(row, SPECULAR_COLOR), row.get(Materials::PHONG_NS))
-}
-
-/// Diffuse and Phong lobe, mixed by the luminance of their colours.
-pub fn make_mixed_phong_bsdf(surf: SurfaceElement, kd: Color, ks: Color, ns: F32) -> Bsdf {
-    let (bright, dark) = (ks.luminance(), kd.luminance());
-    let k = bright.gt(0.0).select(bright / (bright + dark), 0.0.into());
-    make_mix_bsdf(surf, make_diffuse_bsdf(surf, kd), make_phong_bsdf(surf, ks, ns), k)
 }
 
 /// Absorption coefficient behind the surface, 1/m.

@@ -134,6 +134,8 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Pixels>(),
     spec::<Ranges>(),
     spec::<Counts>(),
+    spec::<Models>(),
+    spec::<Parameters>(),
 ];
 
 /// Declare every buffer in the program that is being built.

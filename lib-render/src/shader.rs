@@ -2,10 +2,9 @@
 
 use jerboa_ir::lang::{Fun, Row};
 
-use crate::bsdf::Bsdf;
-use crate::bsdf::gltf::make_gltf_bsdf;
+use crate::bsdf::models::make_bsdf;
 use crate::geometry::SurfaceElement;
-use crate::material::{Material, absorption, base_color, gltf_values, make_emission, make_phong_material};
+use crate::material::{Material, absorption, base_color, make_emission};
 use crate::normal_map::apply_normal_map;
 use crate::ray::{Hit, Ray};
 use crate::schema::Materials;
@@ -18,10 +17,10 @@ pub fn make_shader(row: Row<Materials>) -> Shader {
     Shader::lam(|b, (_ray, _hit, surf)| {
         let surf = apply_normal_map(b, row, surf);
         let base = base_color(b, row, surf.uv);
-        let gltf = make_gltf_bsdf(surf, gltf_values(b, row, base, surf.uv));
+        let bsdf = make_bsdf(b, row, surf, base);
         let absorption = absorption(b, row);
         Material {
-            bsdf: Bsdf::choose(row.get(Materials::PHONG), make_phong_material(row, surf, base), gltf),
+            bsdf,
             emission: make_emission(row, surf),
             is_emissive: row.get(Materials::EMISSIVE),
             is_unlit: row.get(Materials::UNLIT),

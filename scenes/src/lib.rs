@@ -32,6 +32,7 @@
 //!   by [`Instance`]s whose transforms were composed in double precision.
 //! - **Materials**: metallic-roughness with its textures, normal map, emission, alpha modes, doubleSided, and the
 //!   extensions KHR_materials_emissive_strength, ior, specular, transmission, unlit, volume, KHR_texture_transform.
+//!   Another model of scattering by the material's own `extras.bsdf: {"model": NAME, …}`, see [`Model`].
 //! - **Images**: PNG, JPEG, WebP (EXT_texture_webp), kept at eight bits; wrap modes and the magnification filter.
 //! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
 //!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr) or given later by [`Scene::set_environment`].
@@ -69,6 +70,7 @@ mod light;
 mod limits;
 mod material;
 mod mesh;
+mod model;
 mod scene;
 mod texture;
 
@@ -79,7 +81,8 @@ pub use environment::Environment;
 pub use error::{Error, Warning};
 pub use light::{Light, LightKind};
 pub use limits::Limits;
-pub use material::{AlphaMode, Material, Phong, TextureRef, UvTransform, Volume};
+pub use material::{AlphaMode, Material, TextureRef, UvTransform, Volume};
 pub use mesh::{Instance, Mesh};
+pub use model::Model;
 pub use scene::Scene;
 pub use texture::{Filter, Image, Texture, TextureSource, Wrap};

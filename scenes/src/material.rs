@@ -1,5 +1,7 @@
 //! Materials: glTF's metallic-roughness model and its ratified extensions, as numbers and texture references.
 
+use crate::Model;
+
 /// How alpha (base colour's fourth channel) decides whether a ray meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
@@ -84,17 +86,8 @@ pub struct Material {
     pub transmission_texture: Option<TextureRef>,
     /// The inside, for a closed mesh; `None` is a thin wall.
     pub volume: Option<Volume>,
-    /// Physically corrected Phong over diffuse `base_color` instead of all the above (no glTF file has it).
-    pub phong: Option<Phong>,
-}
-
-/// The specular part of a Phong material.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Phong {
-    /// Reflectance, linear RGB; with the diffuse part at most 1.
-    pub ks: [f32; 3],
-    /// Exponent, at least 0.
-    pub ns: f32,
+    /// The model that scatters light in place of glTF's (`extras.bsdf` of a file).
+    pub model: Option<Model>,
 }
 
 /// KHR_materials_volume: the absorbing inside of a closed mesh.
@@ -135,7 +128,7 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             volume: None,
-            phong: None,
+            model: None,
         }
     }
 }

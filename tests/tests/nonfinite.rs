@@ -6,7 +6,7 @@ use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::tables::Choices;
-use jerboa_scenes::{Environment, Light, LightKind, Material, Phong, Scene, builtin};
+use jerboa_scenes::{Environment, Light, LightKind, Material, Model, Scene, builtin};
 
 fn load(name: &str) -> Scene {
     Scene::load(format!("builtin:{name}")).unwrap_or_else(|e| panic!("{e}"))
@@ -87,9 +87,9 @@ fn extreme_surfaces_drop_nothing() {
         }
     }
     for ns in [0.0, 1.0, 1e4, 1e6, 1e9, f32::MAX] {
-        let phong = Some(Phong { ks: [0.5; 3], ns });
+        let model = Some(Model::named("phong").with("ks", &[0.5; 3]).with("ns", &[ns]));
         let what = format!("Phong's exponent {ns}");
-        assert_eq!(dropped(&what, &balls(Material { phong, ..Material::diffuse("phong", [0.5; 3]) })), 0, "{what}");
+        assert_eq!(dropped(&what, &balls(Material { model, ..Material::diffuse("phong", [0.5; 3]) })), 0, "{what}");
     }
 }
 

@@ -9,6 +9,7 @@ pub mod mix;
 pub mod rough;
 pub mod gltf;
 pub mod conductor;
+pub mod models;
 
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Bool, F32, Fun};

@@ -1,4 +1,4 @@
-//! Physically corrected Phong reflection, on both sides of a surface.
+//! Physically corrected Phong reflection, on both sides of a surface; as a model, over Lambert's with the base colour.
 //!
 //! - Parameters: reflectance `ks` per channel, exponent `ns` ≥ 0; above 1e6 it is a mirror.
 //! - f = ks (ns + 2)/2π · cosⁿˢ(wi, mirror image of wo) per steradian, 0 where wi lies below the surface.
@@ -11,7 +11,10 @@ use std::f32::consts::TAU;
 
 use jerboa_ir::lang::{Bool, F32};
 
+use crate::bsdf::diffuse::make_diffuse_bsdf;
 use crate::bsdf::frame::{Side, reflect, shading_cos};
+use crate::bsdf::mix::make_mix_bsdf;
+use crate::bsdf::models::{Model, Parameter};
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
 use crate::core::color::{Color, black};
 use crate::core::math::{exp, exp_m1, log, log1p};
@@ -22,6 +25,24 @@ use crate::geometry::{Frame3, SurfaceElement};
 
 /// Exponent from which on the lobe counts as a mirror; decided here only.
 const MIRROR_NS: f32 = 1e6;
+
+/// `phong`: with the base colour as diffuse part at most 1 in all.
+pub const MODEL: Model = Model {
+    name: "phong",
+    parameters: &[
+        Parameter { name: "ks", default: &[0.5, 0.5, 0.5], range: (0.0, 1.0) },
+        Parameter { name: "ns", default: &[10.0], range: (0.0, f32::MAX) },
+    ],
+    has_parts: false,
+    make: |_, site| make_mixed_phong_bsdf(site.surf, site.base, site.color(0), site.number(3)),
+};
+
+/// Diffuse and Phong lobe, mixed by the luminance of their colours, as the paper's shader does.
+pub fn make_mixed_phong_bsdf(surf: SurfaceElement, kd: Color, ks: Color, ns: F32) -> Bsdf {
+    let (bright, dark) = (ks.luminance(), kd.luminance());
+    let k = bright.gt(0.0).select(bright / (bright + dark), 0.0.into());
+    make_mix_bsdf(surf, make_diffuse_bsdf(surf, kd), make_phong_bsdf(surf, ks, ns), k)
+}
 
 /// Phong reflection.
 pub fn make_phong_bsdf(surf: SurfaceElement, ks: Color, ns: F32) -> Bsdf {

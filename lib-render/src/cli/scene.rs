@@ -6,10 +6,12 @@ use std::time::{Duration, Instant};
 use jerboa_scenes::{Camera, Scene};
 
 use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TracerArg, TraversalArg};
+use crate::bsdf::models::MODELS;
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::generate::TracerKind;
 use crate::host::gpu;
+use crate::host::tables::models::check_models;
 use crate::host::tables::{Choices, Known};
 
 impl From<KnownArg> for Known {
@@ -55,10 +57,11 @@ impl From<TracerArg> for TracerKind {
     }
 }
 
-/// Load a scene, say its warnings on stderr, and how long it took.
+/// Load a scene whose models are all there, say its warnings on stderr, and how long it took.
 pub fn load(path: &str) -> Result<(Scene, Duration), Error> {
     let start = Instant::now();
     let scene = Scene::load(path).map_err(|e| Error::new(e.to_string()))?;
+    check_models(&scene, MODELS)?;
     let time = start.elapsed();
     for warning in scene.all_warnings() {
         eprintln!("jerboa: warning: {warning}");

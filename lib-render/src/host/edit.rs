@@ -15,7 +15,9 @@ use super::clock::thread_time;
 use super::error::Error;
 use super::generate::{Generated, Request, generate};
 use super::renderer::{Device, Options, Renderer};
+use super::tables::models::check_models;
 use super::tables::{Change, Tables};
+use crate::bsdf::models::MODELS;
 
 /// A part of a scene that can be changed: its kind, and its place in the scene's list.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -77,8 +79,8 @@ impl Renderer {
     /// and shares what has not changed.
     ///
     /// # Errors
-    /// When the scene has no such part, or the part refers to what is not there; or when the evaluator or the code generator
-    /// gives up: a fault of Jerboa.
+    /// When the scene has no such part, or the part refers to what is not there or names a model that is not; or when the
+    /// evaluator or the code generator gives up: a fault of Jerboa.
     pub fn edited(&self, scene: &Scene, part: Part) -> Result<(Renderer, Edit), Error> {
         let (start, thread_start) = (Instant::now(), thread_time());
         let change = self.reach(scene, part)?;
@@ -119,6 +121,7 @@ impl Renderer {
                 if let Some(texture) = textures(new).find(|t| *t >= scene.textures.len()) {
                     return missing("texture", texture, scene.textures.len());
                 }
+                check_models(scene, MODELS)?;
                 // A surface that shines, or did, is a light.
                 Ok(Change { lights: new.is_emissive() || self.tables.is_emissive(number), texels: false })
             }

@@ -13,9 +13,11 @@ use super::film::Film;
 use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
 use super::gpu::{self, RealMachine, Schedule};
 use super::scalar;
+use super::tables::models::check_models;
 use super::tables::{Choices, Known, Pass, Tables, frame};
 use super::wave::Wave;
 use super::work::{Tiles, Whole, Work};
+use crate::bsdf::models::MODELS;
 
 /// Options of a renderer.
 #[derive(Clone, Copy, Debug)]
@@ -177,9 +179,10 @@ impl Renderer {
     /// Lay out the scene, specialise the renderer for it and compile it.
     ///
     /// # Errors
-    /// When the evaluator or the code generator gives up: a fault of Jerboa, not of the scene; or there is no GPU, or one too
-    /// small for the scene, where one is asked for.
+    /// When a material names a model that is not in the list; the evaluator or the code generator gives up: a fault of Jerboa,
+    /// not of the scene; or there is no GPU, or one too small for the scene, where one is asked for.
     pub fn new(scene: &Scene, options: Options) -> Result<Renderer, Error> {
+        check_models(scene, MODELS)?;
         let start = Instant::now();
         let traversal = match options.device {
             DeviceKind::Cpu => options.traversal,

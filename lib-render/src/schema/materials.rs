@@ -47,8 +47,10 @@ table! {
         HAS_ABSORPTION: Bool, structure;
         /// `SMOOTH_*`.
         SMOOTH: U32, structure;
-        /// Physically corrected Phong instead (diffuse `BASE`, specular `SPECULAR_*`, exponent `PHONG_NS`).
-        PHONG: Bool, structure;
+        /// Number of the model that scatters light, in the list of models; 0 is glTF's.
+        MODEL: U32, structure;
+        /// The first of the numbers that the model takes.
+        NUMBERS: ref Parameters, structure;
         /// Base colour has a texture.
         BASE_TEXTURED: Bool, structure;
         /// Metallic and roughness have a texture.
@@ -103,7 +105,7 @@ table! {
         IOR: F32, value;
         /// Specular strength in [0, 1].
         SPECULAR: F32, value;
-        /// Specular colour factor; Phong's reflectance.
+        /// Specular colour factor.
         SPECULAR_R: F32, value;
         /// See [`Materials::SPECULAR_R`].
         SPECULAR_G: F32, value;
@@ -117,7 +119,21 @@ table! {
         ABSORPTION_G: F32, value;
         /// See [`Materials::ABSORPTION_R`].
         ABSORPTION_B: F32, value;
-        /// Phong exponent.
-        PHONG_NS: F32, value;
+    }
+}
+
+table! {
+    /// The list of models, one row each.
+    pub classed Models {
+        /// Has any material of the scene this model?
+        USED: Bool, structure;
+    }
+}
+
+table! {
+    /// What models take beside the numbers of glTF's materials, one after the other.
+    pub classed Parameters {
+        /// A number.
+        VALUE: F32, value;
     }
 }

@@ -1,7 +1,7 @@
 //! What surfaces can do: materials, a procedural texture.
 
 use super::shapes::{floor, panel, sky, sphere};
-use crate::{Filter, Material, Phong, Scene, Texture, TextureRef, TextureSource, UvTransform, Wrap};
+use crate::{Filter, Material, Model, Scene, Texture, TextureRef, TextureSource, UvTransform, Wrap};
 use glam::{Vec3, vec3};
 
 /// A row of balls on a checkerboard under a soft sky: diffuse, plastics, metals from rough to mirror, glass.
@@ -30,8 +30,8 @@ pub(super) fn material_balls() -> Scene {
 pub(super) fn phong() -> Scene {
     let mut scene = on_checkerboard();
     for (i, ns) in [1.0, 10.0, 100.0, 1e4, 1e6].into_iter().enumerate() {
-        let phong = Some(Phong { ks: [0.4; 3], ns });
-        let material = scene.paint(Material { phong, ..Material::diffuse("phong", [0.4, 0.1, 0.1]) });
+        let model = Some(Model::named("phong").with("ks", &[0.4; 3]).with("ns", &[ns]));
+        let material = scene.paint(Material { model, ..Material::diffuse("phong", [0.4, 0.1, 0.1]) });
         scene.place(sphere(vec3(i as f32 * 1.1 - 2.2, 0.5, 0.0), 0.5, 5), material);
     }
     let lamp = scene.paint(Material::emitter("lamp", [30.0; 3]));

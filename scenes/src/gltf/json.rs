@@ -40,8 +40,13 @@ impl<'a> Json<'a> {
         let Some(list) = self.get(key) else {
             return Ok(Vec::new());
         };
-        let elements = list.value.as_array().ok_or_else(|| list.fault("not an array"))?;
-        Ok((0..elements.len()).map(|i| list.element(&elements[i], i)).collect())
+        list.elements().ok_or_else(|| list.fault("not an array"))
+    }
+
+    /// Elements of this value, if it is an array.
+    pub fn elements(&self) -> Option<Vec<Json<'a>>> {
+        let elements = self.value.as_array()?;
+        Some((0..elements.len()).map(|i| self.element(&elements[i], i)).collect())
     }
 
     /// Length of an array property; 0 when it is absent.

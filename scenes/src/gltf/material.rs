@@ -47,6 +47,7 @@ impl<'a> Loader<'a> {
         m.double_sided = at.flag("doubleSided")?;
         m.unlit = at.extension("KHR_materials_unlit").is_some();
         self.read_extensions(at, &mut m)?;
+        m.model = self.model(at)?;
         Ok(m)
     }
 

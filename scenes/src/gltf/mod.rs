@@ -13,6 +13,7 @@ mod json;
 mod light;
 mod material;
 mod mesh;
+mod model;
 mod nodes;
 mod schema;
 mod texture;

@@ -214,6 +214,43 @@ fn a_material_with_everything() {
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
 }
 
+#[test]
+fn a_material_names_a_model() {
+    let mut d = triangle();
+    d["materials"] = json!([
+        {"name": "blend", "extras": {"bsdf": {"model": "blend", "first": 1, "second": 2, "share": 0.25}}},
+        {"name": "metal", "extras": {"bsdf": {"model": "conductor", "eta": [0.2, 0.9, 1.5], "k": 3}}},
+        {"name": "plain"},
+    ]);
+    d["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let scene = load(&d).unwrap();
+    check(&scene);
+    let names: Vec<&str> = scene.materials.iter().map(|m| &*m.name).collect();
+    assert_eq!(names, ["metal", "plain", "blend"]);
+    let expected = Model::named("blend").with("share", &[0.25]).of([0, 1]);
+    assert_eq!(scene.materials[2].model, Some(Model { path: "materials[0].extras.bsdf".into(), ..expected }));
+    let expected = Model::named("conductor").with("eta", &[0.2, 0.9, 1.5]).with("k", &[3.0]);
+    assert_eq!(scene.materials[0].model, Some(Model { path: "materials[1].extras.bsdf".into(), ..expected }));
+    assert_eq!(scene.materials[1].model, None);
+
+    let mut refused = |bsdf: serde_json::Value, expected: &str| {
+        d["materials"][0]["extras"]["bsdf"] = bsdf;
+        let error = load(&d).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    };
+    refused(json!(3), "materials[0].extras.bsdf: not an object");
+    refused(json!({}), "materials[0].extras.bsdf.model: missing");
+    refused(json!({"model": 1}), "materials[0].extras.bsdf.model: not a string");
+    refused(json!({"model": "phong", "ns": "ten"}), "materials[0].extras.bsdf.ns: not a number");
+    refused(json!({"model": "phong", "ks": [0.5, true]}), "materials[0].extras.bsdf.ks[1]: not a number");
+    refused(json!({"model": "blend", "first": 1}), "materials[0].extras.bsdf.second: missing");
+    refused(json!({"model": "blend", "first": 1, "second": 7}), "materials[0].extras.bsdf.second");
+    refused(
+        json!({"model": "blend", "first": 1, "second": 0}),
+        "materials[0].extras.bsdf.second: a material that is made",
+    );
+}
+
 fn png(rgba: [u8; 4]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image::RgbaImage::from_pixel(1, 1, image::Rgba(rgba)).write_to(&mut bytes, image::ImageFormat::Png).unwrap();

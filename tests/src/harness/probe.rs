@@ -2,6 +2,7 @@
 
 use jerboa_ir::lang::{F32, Fun, Row, U32, entry};
 use jerboa_lib_render::bsdf::BsdfSample;
+use jerboa_lib_render::bsdf::models::MODELS;
 use jerboa_lib_render::core::color::Color;
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::{Vec2, Vec3};
@@ -192,9 +193,21 @@ impl Probe {
         self.number(Materials::SPECULAR_R, 0.0).number(Materials::SPECULAR_G, 2.0)
     }
 
+    /// The model of this name with these numbers, on white.
+    pub fn model(&mut self, name: &str, numbers: &[f32]) -> &mut Probe {
+        let place = MODELS.iter().position(|model| model.name == name).expect("it is in the list");
+        self.reset();
+        self.bench.rows::<Models>(MODELS.len());
+        self.bench.set(Models::USED, place, true);
+        self.bench.set(Materials::MODEL, 0, place as u32);
+        self.bench.rows::<Parameters>(numbers.len().max(1));
+        numbers.iter().enumerate().for_each(|(i, x)| self.bench.set(Parameters::VALUE, i, *x));
+        self
+    }
+
     /// Diffuse and Phong.
     pub fn phong(&mut self, ns: f32) -> &mut Probe {
-        self.reset().flag(Materials::PHONG, true).number(Materials::PHONG_NS, ns).coloured()
+        self.model("phong", &[1.0, 1.0, 1.0, ns]).coloured()
     }
 
     /// f, pdf, is the whole specular?

@@ -6,7 +6,7 @@
 
 use jerboa_backend_cranelift as clif;
 use jerboa_peval::{Arg, Generic};
-use jerboa_scenes::{Filter, Material, Phong, Scene, Texture, TextureRef, TextureSource, Wrap};
+use jerboa_scenes::{Filter, Material, Model, Scene, Texture, TextureRef, TextureSource, Wrap};
 
 use super::batch::{Batch, RAYS, anew, compile, texels};
 use super::kernels::phong;
@@ -111,7 +111,7 @@ fn scene() -> Scene {
     let material = |s: u32| Material {
         base_color_texture: use_(s & 1 != 0),
         specular_color_texture: use_(s & 2 != 0),
-        phong: Some(Phong { ks: [0.4, 0.3, 0.2], ns: 40.0 }),
+        model: Some(Model::named("phong").with("ks", &[0.4, 0.3, 0.2]).with("ns", &[40.0])),
         ..Material::diffuse(&format!("S = {s}"), [0.5, 0.6, 0.7])
     };
     Scene {

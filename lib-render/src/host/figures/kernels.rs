@@ -5,12 +5,14 @@ use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, Spec, U32, build, declare
 
 use crate::bsdf::Bsdf;
 use crate::bsdf::diffuse::make_diffuse_bsdf;
+use crate::bsdf::models::number;
+use crate::bsdf::phong::make_mixed_phong_bsdf;
 use crate::core::color::{Color, color};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::{Frame3, SurfaceElement, make_geometry};
 use crate::image::Texel;
-use crate::material::{base_color, make_mixed_phong_bsdf};
+use crate::material::base_color;
 use crate::ray::{Hit, Ray};
 use crate::schema::{BUFFERS, Geometries, Materials, NONE};
 use crate::shader::make_shader;
@@ -135,13 +137,12 @@ fn shade(b: &mut Block, row: Row<Materials>, i: U32) {
         start: origin,
     };
     let (kd, ks) = (base_color(b, row, uv), reflectance(b, row, uv));
-    scatter(b, i, make_mixed_phong_bsdf(surf, kd, ks, row.get(Materials::PHONG_NS)), normal);
+    scatter(b, i, make_mixed_phong_bsdf(surf, kd, ks, number(row, 3)), normal);
 }
 
 /// `ks`: a constant, times a texture if there is one.
 fn reflectance(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> Color {
-    let [red, green, blue] = [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B].map(|c| row.get(c));
-    let ks = color(red, green, blue);
+    let ks = color(number(row, 0), number(row, 1), number(row, 2));
     let textured = |b: &mut Block| ks * look_up(b, row.get(Materials::SPECULAR_COLOR_TEXTURE), uv).color;
     b.if_(row.get(Materials::SPECULAR_COLOR_TEXTURED), textured, |_| ks)
 }

@@ -3,15 +3,19 @@
 use jerboa_scenes::{AlphaMode, Material, Scene};
 
 use super::memory::{Memory, Table};
+use super::models::{Numbers, resolve};
 use super::textures::{Encoding, Textures};
+use crate::bsdf::models::Model;
 use crate::schema::Materials as M;
 use crate::schema::*;
 
 /// What stands for "F0 = 1" (glTF's ior 0): exact Fresnel at this index reflects all but 4e-6.
 const IOR_OF_MIRROR: f32 = 1e6;
 
-/// One row for each material of the scene, in its order; a scene without materials has one row that nothing uses.
-pub fn materials(scene: &Scene, textures: &mut Textures) -> Memory {
+/// One row for each material of the scene, in its order; a scene without materials has one row that nothing uses. Their models
+/// are of this list, whose numbers go to the second table; one that [`super::models::check_models`] refuses is glTF's.
+pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> [Memory; 2] {
+    let mut numbers = Numbers::default();
     let mut table = Table::<M>::new();
     for m in &scene.materials {
         let rows = [
@@ -33,9 +37,14 @@ pub fn materials(scene: &Scene, textures: &mut Textures) -> Memory {
         row.set(M::SPECULAR_COLOR_TEXTURED, m.specular_color_texture.is_some()).set(M::SPECULAR_COLOR_TEXTURE, rows[5]);
         row.set(M::TRANSMISSION_TEXTURED, m.transmission_texture.is_some()).set(M::TRANSMISSION_TEXTURE, rows[6]);
         surface(&mut row, m);
-        lobes(&mut row, m);
+        let (model, own) = resolve(m, models).unwrap_or_default();
+        row.set(M::MODEL, model).set(M::NUMBERS, numbers.place(&own));
+        match model {
+            0 => lobes(&mut row, m),
+            _ => _ = row.set(M::SMOOTH, smoothness(m)),
+        }
     }
-    table.finish()
+    [table.finish(), numbers.finish()]
 }
 
 type Row<'a> = super::memory::RowMut<'a, M>;
@@ -70,18 +79,15 @@ fn lobes(row: &mut Row, m: &Material) {
     row.set(M::HAS_METAL, metal).set(M::HAS_SPECULAR, specular).set(M::HAS_TRANSMISSION, transmission);
     row.set(M::HAS_DIFFUSE, !all_metal && !all_transmission && !black).set(M::THIN, !is_thick(m));
     let any_lobe = metal || specular || transmission;
-    let smooth_factor = m.roughness * m.roughness < SMOOTH_ALPHA;
-    row.set(
-        M::SMOOTH,
-        match (any_lobe, smooth_factor, textured) {
-            (true, true, _) => SMOOTH_ALWAYS,
-            (true, false, true) => SMOOTH_PER_HIT,
-            _ => SMOOTH_NEVER,
-        },
-    );
-    if let Some(phong) = &m.phong {
-        row.set(M::PHONG, true).set(M::PHONG_NS, phong.ns);
-        row.set_all([M::SPECULAR_R, M::SPECULAR_G, M::SPECULAR_B], phong.ks);
+    row.set(M::SMOOTH, if any_lobe { smoothness(m) } else { SMOOTH_NEVER });
+}
+
+/// Whether microfacets count as perfectly smooth.
+fn smoothness(m: &Material) -> u32 {
+    match (m.roughness * m.roughness < SMOOTH_ALPHA, m.metallic_roughness_texture.is_some()) {
+        (true, _) => SMOOTH_ALWAYS,
+        (false, true) => SMOOTH_PER_HIT,
+        (false, false) => SMOOTH_NEVER,
     }
 }
 

@@ -3,13 +3,14 @@
 //! A scene enters the program here and nowhere else: as memory, and as the classes of its rows. In reading order:
 //!
 //! * [`memory`]: typed rows over words,
-//! * [`textures`], [`materials`], [`geometry`], [`plane`], [`lights`]: what each table holds,
+//! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`]: what each table holds,
 //! * `tree`: the tree over all triangles,
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
 
 pub mod memory;
 pub mod textures;
 pub mod materials;
+pub mod models;
 pub mod geometry;
 pub mod plane;
 pub mod lights;
@@ -28,6 +29,7 @@ pub use classes::Known;
 use memory::{Memory, Table};
 use tree::SceneTree;
 
+use crate::bsdf::models::MODELS;
 use crate::host::bvh::{Bounds, Dropped};
 use crate::host::device::Traversal;
 use crate::host::film::Window;
@@ -116,7 +118,10 @@ impl Tables {
 
         // Materials and what they look up.
         let mut textures = textures::Textures::new(scene);
-        put(binding::<Materials>(), materials::materials(scene, &mut textures));
+        let [rows, numbers] = materials::materials(scene, &mut textures, MODELS);
+        put(binding::<Materials>(), rows);
+        put(binding::<Parameters>(), numbers);
+        put(binding::<Models>(), models::list(scene, MODELS));
         let images = textures.images().to_vec();
         put(binding::<Texels>(), textures.texels());
         put(binding::<Textures>(), textures.finish());
@@ -159,7 +164,10 @@ impl Tables {
         let mut new = self.clone();
         let mut put = |binding: usize, m: Memory| new.memory[binding] = Arc::new(m);
         let mut textures = textures::Textures::new(scene);
-        put(binding::<Materials>(), materials::materials(scene, &mut textures));
+        let [rows, numbers] = materials::materials(scene, &mut textures, MODELS);
+        put(binding::<Materials>(), rows);
+        put(binding::<Parameters>(), numbers);
+        put(binding::<Models>(), models::list(scene, MODELS));
         if change.texels || textures.images() != self.images {
             put(binding::<Texels>(), textures.texels());
         }

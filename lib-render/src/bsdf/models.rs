@@ -1,0 +1,108 @@
+//! The models that a material can name: one list, and the choice among its rows.
+//!
+//! A model is a name, the numbers it takes beside glTF's, and a constructor. All of them are in the generic program; a
+//! kernel that knows a material's model keeps that one alone, and a model that no material of the scene has leaves no code
+//! even where the material is unknown ([`Models::USED`]).
+
+use jerboa_ir::lang::{Block, Bool, F32, Row};
+
+use crate::bsdf::gltf::make_gltf_bsdf;
+use crate::bsdf::{Bsdf, phong};
+use crate::core::color::{Color, color};
+use crate::geometry::SurfaceElement;
+use crate::material::gltf_values;
+use crate::schema::{Materials, Models, Parameters, SMOOTH_ALPHA, SMOOTH_ALWAYS, SMOOTH_PER_HIT};
+use crate::texture::look_up;
+
+/// A model of scattering.
+#[derive(Clone, Copy, Debug)]
+pub struct Model {
+    /// What materials call it.
+    pub name: &'static str,
+    /// The numbers it takes beside those of glTF's materials, in the order in which [`Site::number`] counts them.
+    pub parameters: &'static [Parameter],
+    /// Is it made of two other materials?
+    pub has_parts: bool,
+    /// Builds it at a point of a surface.
+    pub make: MakeBsdf,
+}
+
+/// A constructor of BSDFs. It runs while the generic program is built.
+pub type MakeBsdf = fn(&mut Block, Site) -> Bsdf;
+
+/// Numbers that a model takes, under one name.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// What materials call them.
+    pub name: &'static str,
+    /// As many as there are, with the values they have where a material says nothing.
+    pub default: &'static [f32],
+    /// Smallest and largest value.
+    pub range: (f32, f32),
+}
+
+/// glTF's own model, of a material that names no other.
+const GLTF: Model = Model {
+    name: "gltf",
+    parameters: &[],
+    has_parts: false,
+    make: |b, site| make_gltf_bsdf(site.surf, gltf_values(b, site.row, site.base, site.surf.uv)),
+};
+
+/// The library's models, by number: [`Materials::MODEL`].
+pub const MODELS: &[Model] = &[GLTF, phong::MODEL];
+
+/// A point of a surface, and the material there: what a constructor is given.
+#[derive(Clone, Copy)]
+pub struct Site {
+    /// The material.
+    pub row: Row<Materials>,
+    /// The surface, with the normal map applied.
+    pub surf: SurfaceElement,
+    /// Base colour there.
+    pub base: Color,
+    /// Is the constructor's model the one that the material has? Elsewhere nothing need be looked up.
+    pub is_chosen: Bool,
+}
+
+impl Site {
+    /// The material's number of this place among those that its model takes.
+    pub fn number(self, place: u32) -> F32 {
+        number(self.row, place)
+    }
+
+    /// Three numbers in a row.
+    pub fn color(self, first: u32) -> Color {
+        color(self.number(first), self.number(first + 1), self.number(first + 2))
+    }
+
+    /// GGX's α by the material's roughness and its texture, and whether that counts as perfectly smooth.
+    pub fn alpha(self, b: &mut Block) -> (F32, Bool) {
+        let factor = self.row.get(Materials::ROUGHNESS);
+        let roughness = b.if_(
+            self.is_chosen & self.row.get(Materials::METALLIC_ROUGHNESS_TEXTURED),
+            |b| factor * look_up(b, self.row.get(Materials::METALLIC_ROUGHNESS_TEXTURE), self.surf.uv).color.g,
+            |_| factor,
+        );
+        let (alpha, smooth) = (roughness * roughness, self.row.get(Materials::SMOOTH));
+        (alpha, smooth.eq(SMOOTH_ALWAYS) | (smooth.eq(SMOOTH_PER_HIT) & alpha.lt(SMOOTH_ALPHA)))
+    }
+}
+
+/// A number of a material's model.
+pub fn number(row: Row<Materials>, place: u32) -> F32 {
+    Row::<Parameters>::at(row.get(Materials::NUMBERS).index() + place).get(Parameters::VALUE)
+}
+
+/// The BSDF of a material at a point, whatever its model.
+pub fn make_bsdf(b: &mut Block, row: Row<Materials>, surf: SurfaceElement, base: Color) -> Bsdf {
+    let all = MODELS.iter().zip(0u32..).map(|(model, number)| {
+        let is_used = Row::<Models>::at(number).get(Models::USED);
+        let is_chosen = is_used & row.get(Materials::MODEL).eq(number);
+        (is_chosen, (model.make)(b, Site { row, surf, base, is_chosen }))
+    });
+    let mut all: Vec<(Bool, Bsdf)> = all.collect();
+    // The first stands for what no other row is.
+    let (_, first) = all.remove(0);
+    all.into_iter().fold(first, |other, (is_chosen, bsdf)| Bsdf::choose(is_chosen, bsdf, other))
+}
