@@ -1,4 +1,4 @@
-//! The whole renderer on every engine: T3, the levels of knowledge, Laws 1 and 4, T25.
+//! The whole renderer on every engine: T3, the levels of knowledge, Laws 1 and 4.
 //!
 //! The quick form runs small windows of small scenes. `JERBOA_T3=full cargo test --release -p jerboa-tests --test renderer`
 //! runs T3 as the list has it, 32x32 at 4 spp on the matched scenes and five built-ins (an hour: the generic program is
@@ -171,13 +171,6 @@ fn residual_at(scene: &Scene, known: Known) -> Program {
     path(scene, &Tables::new(scene, &Choices::default(), known))
 }
 
-/// The text of a residual without the declarations of its buffers.
-fn body(p: &Program) -> String {
-    let text = print(p);
-    let start = text.find("\nfun ").expect("a residual has a function");
-    text[start..].into()
-}
-
 /// Notes reads beyond the last row of a table.
 struct Clamps<'p> {
     program: &'p Program,
@@ -229,31 +222,6 @@ fn a_residual_is_its_own_residual() {
 /// The counters that begin a dump.
 fn first_line(p: &Program) -> String {
     print(p).lines().next().unwrap_or_default().to_string()
-}
-
-/// A feature, what shows it in a residual, and a built-in scene that has it.
-const FEATURES: [(&str, &[&str], &str); 8] = [
-    ("textures", &["Texels.RGBA", "SrgbCurve.LINEAR"], "textures"),
-    ("texture coordinates", &["Uvs.U0"], "textures"),
-    ("environment", &["EnvironmentTexels.R", "EnvironmentRows.SLOT", "EnvironmentColumns.SLOT"], "environment"),
-    ("glass", &["Materials.IOR"], "glass"),
-    ("metal", &["Materials.ROUGHNESS"], "material-balls"),
-    ("KHR_texture_transform", &["Textures.M00", "Textures.M12"], "textures"),
-    ("cut-outs", &["Materials.ALPHA_CUTOFF"], "alpha"),
-    ("spot lights", &["Lights.COS_OUTER"], "spot"),
-];
-
-/// T25: what a scene does not use is not in its residual, and the same search finds it where it is used.
-#[test]
-fn a_residual_has_only_what_the_scene_needs() {
-    let plain = body(&residual_at(&load("builtin:cornell-box"), Known::Structure));
-    for (feature, traces, scene) in FEATURES {
-        let with = body(&residual_at(&load(&format!("builtin:{scene}")), Known::Structure));
-        for trace in traces {
-            assert!(!plain.contains(trace), "{feature}: `{trace}` in the residual of a scene without it");
-            assert!(with.contains(trace), "{feature}: no `{trace}` in the residual of `{scene}`");
-        }
-    }
 }
 
 /// The sizes of residuals, as a golden: a change of the library or the evaluator shows its effect here. The scalar kernel of

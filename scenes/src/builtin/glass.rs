@@ -1,8 +1,8 @@
-//! Glass: solid, thin, nested, seen from inside, seen along its surface, and of index 1.
+//! Glass: solid, thin, tinted, nested, seen from inside, seen along its surface, and of index 1.
 
 use super::shapes::{panel, quad, sky, solid, sphere};
 use super::surfaces::{checkerboard, on_checkerboard};
-use crate::{Material, Scene};
+use crate::{Material, Scene, Volume};
 use glam::{Vec3, vec3};
 
 /// A glass ball, a glass block and a thin pane over a checkerboard, lit by a lamp and a sky.
@@ -65,5 +65,17 @@ pub(super) fn grazing_glass() -> Scene {
     let glass = scene.paint(Material::glass("glass", 1.5));
     scene.place(solid(vec3(-500.0, -1.0, -500.0), [Vec3::X * 1000.0, Vec3::Y, Vec3::Z * 1000.0]), glass);
     scene.view([0.0, 0.1, 2.0], [0.0, 0.09, 0.0], 0.8, (512, 256));
+    scene
+}
+
+/// A slab of tinted air, 1 m thick, before light that is 1 from everywhere. In the direction (x, y, −1) a path through it is
+/// √(1 + x² + y²) m long, of which a colour c per metre leaves c to that power: the picture's mean is a double integral.
+pub(super) fn tinted_slab() -> Scene {
+    let mut scene = Scene { environment: Some(sky(16, |_| [1.0; 3])), ..Scene::default() };
+    let air = Material::glass("tinted air", 1.0);
+    let tint = air.volume.map(|v| Volume { attenuation_color: [0.9, 0.5, 0.2], attenuation_distance: 1.0, ..v });
+    let air = scene.paint(Material { volume: tint, ..air });
+    scene.place(solid(vec3(-3.0, -2.0, -2.0), [Vec3::X * 6.0, Vec3::Y * 4.0, Vec3::Z]), air);
+    scene.view([0.0; 3], [0.0, 0.0, -1.0], 1.0, (256, 128));
     scene
 }

@@ -35,7 +35,7 @@ const CORNELL_BOX: Reference = rendered(0.13575, 1.0e-4, 1024);
 /// A floor of squares under a sky.
 const CHECKERBOARD: Reference = rendered(0.610787, 3.9e-5, 512);
 
-pub(super) static BUILTINS: [Builtin; 44] = [
+pub(super) static BUILTINS: [Builtin; 45] = [
     hard(
         "cornell-box",
         "two boxes in a box with a red and a green wall: the default scene",
@@ -213,6 +213,13 @@ pub(super) static BUILTINS: [Builtin; 44] = [
         "divides 0 by 0 in Fresnel's equations at grazing angles: a bright rim where nothing is",
         CHECKERBOARD,
         glass::air_glass,
+    ),
+    hard(
+        "tinted-slab",
+        "tinted air before uniform light: the longer the path, the darker",
+        "absorbs by thickness whatever the direction, or nothing where nothing refracts: too bright",
+        exactly(0.507275),
+        glass::tinted_slab,
     ),
     hard(
         "grazing-glass",
