@@ -6,7 +6,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     // ---- BSDFs
     Mutation {
         name: "cosine-dropped",
-        file: "lib-render/src/bsdf/gltf.rs",
+        file: "lib-render/src/bsdf/gltf/view.rs",
         before: "BsdfSample::scattered(wi, f * shading_cos(self.surf, wi), pdf)",
         after: "BsdfSample::scattered(wi, f, pdf)",
         mistake: "the weight of a sample lacks the cosine",
