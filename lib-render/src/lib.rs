@@ -57,6 +57,7 @@ pub mod geometry;
 pub mod traverse;
 pub mod camera;
 pub mod normal_map;
+pub mod lobes;
 pub mod shader;
 pub mod cutout;
 pub mod mis;

@@ -1,7 +1,7 @@
 //! Materials: scattering and emission of a surface (paper, section 4.2).
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row};
+use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
 
 use crate::bsdf::Bsdf;
 use crate::bsdf::gltf::GltfValues;
@@ -104,14 +104,13 @@ pub fn gltf_values(b: &mut Block, row: Row<Materials>, base: Color, uv: [Vec2; 2
     );
     let tint = (Materials::SPECULAR_COLOR_TEXTURED, Materials::SPECULAR_COLOR_TEXTURE);
     let alpha = roughness * roughness;
-    let smooth = row.get(Materials::SMOOTH);
     GltfValues {
         has_diffuse: row.get(Materials::HAS_DIFFUSE),
         has_specular: row.get(Materials::HAS_SPECULAR),
         has_metal: row.get(Materials::HAS_METAL),
         has_transmission: row.get(Materials::HAS_TRANSMISSION),
         thin: row.get(Materials::THIN),
-        smooth: smooth.eq(SMOOTH_ALWAYS) | (smooth.eq(SMOOTH_PER_HIT) & alpha.lt(SMOOTH_ALPHA)),
+        smooth: is_smooth(row.get(Materials::SMOOTH), alpha),
         base,
         metallic,
         alpha,
@@ -120,6 +119,11 @@ pub fn gltf_values(b: &mut Block, row: Row<Materials>, base: Color, uv: [Vec2; 2
         specular_color: textured(b, row, SPECULAR_COLOR, tint, uv),
         transmission,
     }
+}
+
+/// Does a lobe of this `SMOOTH_*` and width count as perfectly smooth?
+pub fn is_smooth(smooth: U32, alpha: F32) -> Bool {
+    smooth.eq(SMOOTH_ALWAYS) | (smooth.eq(SMOOTH_PER_HIT) & alpha.lt(SMOOTH_ALPHA))
 }
 
 /// Absorption coefficient behind the surface, 1/m.

@@ -15,9 +15,10 @@ pub type Shader = Fun<(Ray, Hit, SurfaceElement), Material>;
 /// The shader of a material: looks up its textures at the hit.
 pub fn make_shader(row: Row<Materials>) -> Shader {
     Shader::lam(|b, (_ray, _hit, surf)| {
-        let surf = apply_normal_map(b, row, surf);
+        let plain = surf;
+        let surf = apply_normal_map(b, row, plain);
         let base = base_color(b, row, surf.uv);
-        let bsdf = make_bsdf(b, row, surf, base);
+        let bsdf = make_bsdf(b, row, (plain, surf), base);
         let absorption = absorption(b, row);
         Material {
             bsdf,

@@ -1,6 +1,6 @@
 //! Materials: glTF's metallic-roughness model and its ratified extensions, as numbers and texture references.
 
-use crate::Model;
+use crate::{Clearcoat, Model};
 
 /// How alpha (base colour's fourth channel) decides whether a ray meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +86,8 @@ pub struct Material {
     pub transmission_texture: Option<TextureRef>,
     /// The inside, for a closed mesh; `None` is a thin wall.
     pub volume: Option<Volume>,
+    /// A clear coat over all of it.
+    pub clearcoat: Option<Clearcoat>,
     /// The model that scatters light in place of glTF's (`extras.bsdf` of a file).
     pub model: Option<Model>,
 }
@@ -128,6 +130,7 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             volume: None,
+            clearcoat: None,
             model: None,
         }
     }
@@ -193,5 +196,6 @@ impl Material {
         .into_iter()
         .chain(self.volume.as_ref().map(|v| &v.thickness_texture))
         .flatten()
+        .chain(self.clearcoat.iter().flat_map(Clearcoat::textures))
     }
 }

@@ -8,27 +8,19 @@ use jerboa_ir::lang::F32;
 
 use crate::bsdf::Bsdf;
 use crate::bsdf::gltf::{GltfValues, make_gltf_bsdf};
-use crate::core::color::{Color, black};
+use crate::core::color::Color;
 use crate::geometry::SurfaceElement;
 use crate::schema::SMOOTH_ALPHA;
 
 /// A metal.
 pub fn make_ggx_bsdf(surf: SurfaceElement, f0: Color, alpha: F32) -> Bsdf {
-    let (no, zero) = (false.into(), F32::from(0.0));
     let values = GltfValues {
-        has_diffuse: no,
-        has_specular: no,
         has_metal: true.into(),
-        has_transmission: no,
-        thin: no,
         smooth: alpha.lt(SMOOTH_ALPHA),
         base: f0,
         metallic: 1.0.into(),
         alpha,
-        ior: zero,
-        specular: zero,
-        specular_color: black(),
-        transmission: zero,
+        ..GltfValues::none()
     };
     make_gltf_bsdf(surf, values)
 }

@@ -8,6 +8,8 @@ pub mod dielectric;
 pub mod mix;
 pub mod rough;
 pub mod gltf;
+pub mod layer;
+pub mod coat;
 pub mod conductor;
 pub mod models;
 
@@ -49,7 +51,7 @@ pub struct BsdfSample {
     /// Towards where the path goes on, unit, world.
     pub wi: Vec3,
     /// f · |cos| / pdf: what the path's throughput is multiplied with. Black where sampling failed; the rest is then
-    /// unspecified but finite.
+    /// finite, and `pdf_dir` 0 unless `pdf` counts such samples.
     pub weight: Color,
     /// What `pdf` gives for `wi`, per steradian; unspecified for a specular sample.
     pub pdf_dir: F32,

@@ -10,8 +10,9 @@ use crate::bsdf::gltf::make_gltf_bsdf;
 use crate::bsdf::{Bsdf, phong};
 use crate::core::color::{Color, color};
 use crate::geometry::SurfaceElement;
-use crate::material::gltf_values;
-use crate::schema::{Materials, Models, Parameters, SMOOTH_ALPHA, SMOOTH_ALWAYS, SMOOTH_PER_HIT};
+use crate::lobes::make_layers;
+use crate::material::{gltf_values, is_smooth};
+use crate::schema::{Materials, Models, Parameters};
 use crate::texture::look_up;
 
 /// A model of scattering.
@@ -46,7 +47,10 @@ const GLTF: Model = Model {
     name: "gltf",
     parameters: &[],
     has_parts: false,
-    make: |b, site| make_gltf_bsdf(site.surf, gltf_values(b, site.row, site.base, site.surf.uv)),
+    make: |b, site| {
+        let values = gltf_values(b, site.row, site.base, site.surf.uv);
+        make_layers(b, site, values, make_gltf_bsdf(site.surf, values))
+    },
 };
 
 /// The library's models, by number: [`Materials::MODEL`].
@@ -59,6 +63,8 @@ pub struct Site {
     pub row: Row<Materials>,
     /// The surface, with the normal map applied.
     pub surf: SurfaceElement,
+    /// The surface without it.
+    pub plain: SurfaceElement,
     /// Base colour there.
     pub base: Color,
     /// Is the constructor's model the one that the material has? Elsewhere nothing need be looked up.
@@ -84,8 +90,8 @@ impl Site {
             |b| factor * look_up(b, self.row.get(Materials::METALLIC_ROUGHNESS_TEXTURE), self.surf.uv).color.g,
             |_| factor,
         );
-        let (alpha, smooth) = (roughness * roughness, self.row.get(Materials::SMOOTH));
-        (alpha, smooth.eq(SMOOTH_ALWAYS) | (smooth.eq(SMOOTH_PER_HIT) & alpha.lt(SMOOTH_ALPHA)))
+        let alpha = roughness * roughness;
+        (alpha, is_smooth(self.row.get(Materials::SMOOTH), alpha))
     }
 }
 
@@ -94,12 +100,17 @@ pub fn number(row: Row<Materials>, place: u32) -> F32 {
     Row::<Parameters>::at(row.get(Materials::NUMBERS).index() + place).get(Parameters::VALUE)
 }
 
-/// The BSDF of a material at a point, whatever its model.
-pub fn make_bsdf(b: &mut Block, row: Row<Materials>, surf: SurfaceElement, base: Color) -> Bsdf {
+/// The BSDF of a material at a point, whatever its model. The surface is given without the normal map, and with it.
+pub fn make_bsdf(
+    b: &mut Block,
+    row: Row<Materials>,
+    (plain, surf): (SurfaceElement, SurfaceElement),
+    base: Color,
+) -> Bsdf {
     let all = MODELS.iter().zip(0u32..).map(|(model, number)| {
         let is_used = Row::<Models>::at(number).get(Models::USED);
         let is_chosen = is_used & row.get(Materials::MODEL).eq(number);
-        (is_chosen, (model.make)(b, Site { row, surf, base, is_chosen }))
+        (is_chosen, (model.make)(b, Site { row, surf, plain, base, is_chosen }))
     });
     let mut all: Vec<(Bool, Bsdf)> = all.collect();
     // The first stands for what no other row is.

@@ -32,6 +32,9 @@ pub const DIM_ROULETTE: u32 = 8;
 /// Dimension, within a vertex, of the holes in surfaces on the way to it.
 pub const DIM_HOLES: u32 = 9;
 
+/// First of the dimensions, within a vertex, in which layers are chosen, one for each layer that a surface may have.
+pub const DIM_LAYERS: u32 = 10;
+
 /// 2^32 / golden ratio, rounded to odd (Knuth 1998, section 6.4): its multiples differ in many bits.
 const GOLDEN: u32 = 0x9e37_79b9;
 
@@ -69,13 +72,17 @@ impl Rng {
 
     /// So many words, all bits of them random, and the position after them.
     pub fn words<const N: usize>(self) -> ([U32; N], Rng) {
-        let at = |i: u32| Rng { dim: self.dim + i, ..self };
-        (std::array::from_fn(|i| at(i as u32).word()), at(N as u32))
+        (std::array::from_fn(|i| self.ahead(i as u32).word()), self.ahead(N as u32))
     }
 
     /// A number in [0, 1) for `thing`, the same whenever and however often it is asked for at this position.
     pub fn of(self, thing: U32) -> F32 {
         uniform(hash(self.word() ^ thing))
+    }
+
+    /// The position so many dimensions further on.
+    pub fn ahead(self, dimensions: u32) -> Rng {
+        Rng { dim: self.dim + dimensions, ..self }
     }
 
     /// The block of dimensions of path vertex `vertex` (the camera is 0), from `dim` on.

@@ -51,6 +51,10 @@ table! {
         MODEL: U32, structure;
         /// The first of the numbers that the model takes.
         NUMBERS: ref Parameters, structure;
+        /// Is there a clear coat?
+        HAS_COAT: Bool, structure;
+        /// `SMOOTH_*` of the coat.
+        COAT_SMOOTH: U32, structure;
         /// Base colour has a texture.
         BASE_TEXTURED: Bool, structure;
         /// Metallic and roughness have a texture.
@@ -65,6 +69,12 @@ table! {
         SPECULAR_COLOR_TEXTURED: Bool, structure;
         /// Transmission has a texture (red channel).
         TRANSMISSION_TEXTURED: Bool, structure;
+        /// The coat's strength has a texture (red channel).
+        COAT_TEXTURED: Bool, structure;
+        /// The coat's roughness has a texture (green channel).
+        COAT_ROUGHNESS_TEXTURED: Bool, structure;
+        /// The coat has a normal map.
+        COAT_NORMAL_TEXTURED: Bool, structure;
         /// Base colour texture; row 0 where there is none.
         BASE_TEXTURE: ref Textures, structure;
         /// Metallic (blue) and roughness (green).
@@ -79,6 +89,12 @@ table! {
         SPECULAR_COLOR_TEXTURE: ref Textures, structure;
         /// Transmission.
         TRANSMISSION_TEXTURE: ref Textures, structure;
+        /// Strength of the coat.
+        COAT_TEXTURE: ref Textures, structure;
+        /// Roughness of the coat.
+        COAT_ROUGHNESS_TEXTURE: ref Textures, structure;
+        /// Normal map of the coat.
+        COAT_NORMAL_TEXTURE: ref Textures, structure;
         /// Base colour factor, linear.
         BASE_R: F32, value;
         /// See [`Materials::BASE_R`].
@@ -113,6 +129,12 @@ table! {
         SPECULAR_B: F32, value;
         /// Transmission factor in [0, 1].
         TRANSMISSION: F32, value;
+        /// Strength of the coat in [0, 1].
+        COAT: F32, value;
+        /// Roughness of the coat in [0, 1]; α is its square.
+        COAT_ROUGHNESS: F32, value;
+        /// Scale of the coat's normal map's x and y.
+        COAT_NORMAL_SCALE: F32, value;
         /// Absorption coefficient of the volume, 1/m.
         ABSORPTION_R: F32, value;
         /// See [`Materials::ABSORPTION_R`].

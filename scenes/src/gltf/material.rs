@@ -7,8 +7,8 @@ use crate::error::warn;
 use crate::{AlphaMode, Error, Material, TextureRef, UvTransform, Volume};
 use std::ops::RangeInclusive;
 
-const UNIT: RangeInclusive<f64> = 0.0..=1.0;
-const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=f32::MAX as f64;
+pub(super) const UNIT: RangeInclusive<f64> = 0.0..=1.0;
+pub(super) const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=f32::MAX as f64;
 
 impl<'a> Loader<'a> {
     /// The scene's material for the index at `reference`; without one, glTF's default material.
@@ -38,15 +38,14 @@ impl<'a> Loader<'a> {
             m.metallic_roughness_texture = self.texture_ref(&pbr, "metallicRoughnessTexture")?;
         }
         m.normal_texture = self.texture_ref(at, "normalTexture")?;
-        if let Some(normal) = at.get("normalTexture") {
-            m.normal_scale = normal.number_or("scale", 1.0)? as f32;
-        }
+        m.normal_scale = self.normal_scale(at, "normalTexture")?;
         m.emissive = self.factors(at, "emissiveFactor", m.emissive, NOT_NEGATIVE)?;
         m.emissive_texture = self.texture_ref(at, "emissiveTexture")?;
         m.alpha_mode = self.alpha_mode(at)?;
         m.double_sided = at.flag("doubleSided")?;
         m.unlit = at.extension("KHR_materials_unlit").is_some();
         self.read_extensions(at, &mut m)?;
+        self.read_lobes(at, &mut m)?;
         m.model = self.model(at)?;
         Ok(m)
     }
@@ -100,8 +99,19 @@ impl<'a> Loader<'a> {
         })
     }
 
+    /// Scale of x and y of the normal map there.
+    pub(super) fn normal_scale(&self, at: &Json, key: &str) -> Result<f32, Error> {
+        at.get(key).map_or(Ok(1.0), |map| Ok(map.number_or("scale", 1.0)? as f32))
+    }
+
     /// A number clamped to `range`, with a warning where that changes it.
-    fn factor(&mut self, at: &Json, key: &str, default: f32, range: RangeInclusive<f64>) -> Result<f32, Error> {
+    pub(super) fn factor(
+        &mut self,
+        at: &Json,
+        key: &str,
+        default: f32,
+        range: RangeInclusive<f64>,
+    ) -> Result<f32, Error> {
         let Some(place) = at.get(key) else {
             return Ok(default);
         };
@@ -110,7 +120,7 @@ impl<'a> Loader<'a> {
     }
 
     /// `N` numbers, each clamped to `range`.
-    fn factors<const N: usize>(
+    pub(super) fn factors<const N: usize>(
         &mut self,
         at: &Json,
         key: &str,
@@ -133,7 +143,7 @@ impl<'a> Loader<'a> {
 
     /// A texture reference of a material. `None` too where the texture cannot be had: the factor then stands alone, as if
     /// the texture were white (a normal map: flat).
-    fn texture_ref(&mut self, at: &Json<'a>, key: &str) -> Result<Option<TextureRef>, Error> {
+    pub(super) fn texture_ref(&mut self, at: &Json<'a>, key: &str) -> Result<Option<TextureRef>, Error> {
         let Some(place) = at.get(key) else {
             return Ok(None);
         };

@@ -11,6 +11,7 @@ mod environment;
 pub(crate) mod folder;
 mod json;
 mod light;
+mod lobes;
 mod material;
 mod mesh;
 mod model;
@@ -28,9 +29,10 @@ use std::ops::Range;
 use std::path::Path;
 
 /// The extensions that are read. Any other is an error where the file requires it, else a warning.
-const EXTENSIONS: [&str; 10] = [
+const EXTENSIONS: [&str; 11] = [
     "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",

@@ -3,6 +3,7 @@
 mod builtin;
 mod common;
 mod hostile;
+mod lobes;
 mod messages;
 mod missing;
 mod reading;

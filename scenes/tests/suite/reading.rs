@@ -251,7 +251,7 @@ fn a_material_names_a_model() {
     );
 }
 
-fn png(rgba: [u8; 4]) -> Vec<u8> {
+pub(crate) fn png(rgba: [u8; 4]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image::RgbaImage::from_pixel(1, 1, image::Rgba(rgba)).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()

@@ -210,6 +210,15 @@ impl Probe {
         self.model("phong", &[1.0, 1.0, 1.0, ns]).coloured()
     }
 
+    /// A coat of this strength over what is there.
+    pub fn coat(&mut self, strength: f32, roughness: f32) -> &mut Probe {
+        let smooth = if roughness * roughness < SMOOTH_ALPHA { SMOOTH_ALWAYS } else { SMOOTH_NEVER };
+        self.bench.set(Materials::COAT_SMOOTH, 0, smooth);
+        self.flag(Materials::HAS_COAT, true)
+            .number(Materials::COAT, strength)
+            .number(Materials::COAT_ROUGHNESS, roughness)
+    }
+
     /// f, pdf, is the whole specular?
     pub fn eval(&mut self, wi: V, wo: V) -> (V, f32, bool) {
         let args = [self.face, self.normal, wi, wo].concat();

@@ -70,6 +70,10 @@ pub fn rows() -> Vec<Row> {
     rows.extend([0.0, 0.05, 0.25, 1.0].map(glass));
     rows.extend([0.0, 0.05, 0.25, 1.0].map(thin));
     rows.extend([0.0, 0.05, 0.36].map(medley));
+    rows.extend([0.0, 0.0016, 0.05, 0.25, 1.0].map(|alpha| coat(1.0, alpha)));
+    rows.extend([0.05, 1.0].map(|alpha| coat(0.5, alpha)));
+    rows.extend([0.0, 0.05, 1.0].map(coated_mirror));
+    rows.extend([0.0, 0.05].map(coated_medley));
     rows.extend([1.0, 10.0, 100.0, 1e3, 1e4, 1e6, 2e6].map(phong));
     rows
 }
@@ -117,6 +121,36 @@ fn thin(alpha: f64) -> Row {
 fn medley(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     Row::new(format!("medley {alpha:.3}"), move |p| p.medley(roughness)).through(INDEX)
+}
+
+/// A coat of this strength over Lambert's surface: what it reflects, and what passes it in and out again.
+fn coat(strength: f64, alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("coat {strength} {alpha:.3}"), move |p| p.lambert().coat(strength as f32, roughness));
+    let passing_out = gauss::<64>(0.0, 1.0, |c| (1.0 - strength * fresnel(c, INDEX)) * 2.0 * c);
+    row.returns(move |cos| {
+        let cos = cos.abs();
+        let own = microfacets(alpha, Masking::Separable, cos, INDEX, |c| fresnel(c, INDEX))[0];
+        strength * own + (1.0 - strength * fresnel(cos, INDEX)) * passing_out * 0.5
+    })
+}
+
+/// A coat over what keeps all light.
+fn coated_mirror(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("coated mirror {alpha:.3}"), move |p| p.metal(0.0).coat(1.0, roughness));
+    row.returns(move |cos| {
+        let cos = cos.abs();
+        let own = microfacets(alpha, Masking::Separable, cos, INDEX, |c| fresnel(c, INDEX))[0];
+        own + (1.0 - fresnel(cos, INDEX)).powi(2)
+    })
+}
+
+/// A coat on the outside of a solid.
+fn coated_medley(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("coated medley {alpha:.3}"), move |p| p.medley(0.5).coat(0.8, roughness));
+    row.through(INDEX)
 }
 
 /// Phong's lobe on Lambert's, mixed by luminance.

@@ -52,6 +52,28 @@ impl_staged!(GltfValues {
     transmission
 });
 
+impl GltfValues {
+    /// Every lobe off: black.
+    pub fn none() -> GltfValues {
+        let (no, zero) = (Bool::from(false), F32::from(0.0));
+        GltfValues {
+            has_diffuse: no,
+            has_specular: no,
+            has_metal: no,
+            has_transmission: no,
+            thin: no,
+            smooth: no,
+            base: black(),
+            metallic: zero,
+            alpha: zero,
+            ior: zero,
+            specular: zero,
+            specular_color: black(),
+            transmission: zero,
+        }
+    }
+}
+
 /// What the dielectric layer does with light at some angle.
 #[derive(Clone, Copy)]
 pub(super) struct Layer {
@@ -76,6 +98,11 @@ pub(super) struct Split {
 impl_staged!(Split { reflected, refracted, choice });
 
 impl GltfValues {
+    /// Does light enter an inside?
+    pub fn is_solid(self) -> Bool {
+        self.has_transmission & !self.thin
+    }
+
     pub(super) fn has_facets(self) -> Bool {
         self.has_specular | self.has_metal | self.has_transmission
     }

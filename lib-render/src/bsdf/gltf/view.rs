@@ -46,7 +46,7 @@ impl View {
     pub(super) fn new(b: &mut Block, surf: SurfaceElement, values: GltfValues, wo: Vec3) -> View {
         let side = Side::new(surf, wo);
         let normal = side.bent_normal(wo);
-        let solid = values.has_transmission & !values.thin;
+        let solid = values.is_solid();
         // Fresnel's factor and the way light is bent are those of one index.
         let ior = (solid & !values.smooth).select(bending(values.ior), values.ior);
         let eta = solid.select(side.eta(ior), ior);
@@ -157,7 +157,7 @@ impl View {
                 BsdfSample { weight, ..BsdfSample::scattered(wi, black(), diffuse_pdf(self.side, wi)) }
             },
         );
-        let bends = values.has_transmission & !values.thin & self.side.transmits(wi);
+        let bends = values.is_solid() & self.side.transmits(wi);
         let radiance_scale = bends.select(1.0 / (self.eta * self.eta), 1.0.into());
         BsdfSample { radiance_scale, ..sample }
     }

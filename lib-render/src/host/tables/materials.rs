@@ -2,6 +2,7 @@
 
 use jerboa_scenes::{AlphaMode, Material, Scene};
 
+use super::lobes;
 use super::memory::{Memory, Table};
 use super::models::{Numbers, resolve};
 use super::textures::{Encoding, Textures};
@@ -40,14 +41,18 @@ pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> [M
         let (model, own) = resolve(m, models).unwrap_or_default();
         row.set(M::MODEL, model).set(M::NUMBERS, numbers.place(&own));
         match model {
-            0 => lobes(&mut row, m),
-            _ => _ = row.set(M::SMOOTH, smoothness(m)),
+            0 => {
+                lobes(&mut row, m);
+                lobes::extensions(&mut row, m, textures);
+            }
+            _ => _ = row.set(M::SMOOTH, smoothness(m.roughness, m.metallic_roughness_texture.is_some())),
         }
     }
     [table.finish(), numbers.finish()]
 }
 
-type Row<'a> = super::memory::RowMut<'a, M>;
+/// A row being filled.
+pub(super) type Row<'a> = super::memory::RowMut<'a, M>;
 
 /// Kind of surface and its numbers.
 fn surface(row: &mut Row, m: &Material) {
@@ -79,12 +84,12 @@ fn lobes(row: &mut Row, m: &Material) {
     row.set(M::HAS_METAL, metal).set(M::HAS_SPECULAR, specular).set(M::HAS_TRANSMISSION, transmission);
     row.set(M::HAS_DIFFUSE, !all_metal && !all_transmission && !black).set(M::THIN, !is_thick(m));
     let any_lobe = metal || specular || transmission;
-    row.set(M::SMOOTH, if any_lobe { smoothness(m) } else { SMOOTH_NEVER });
+    row.set(M::SMOOTH, if any_lobe { smoothness(m.roughness, textured) } else { SMOOTH_NEVER });
 }
 
-/// Whether microfacets count as perfectly smooth.
-fn smoothness(m: &Material) -> u32 {
-    match (m.roughness * m.roughness < SMOOTH_ALPHA, m.metallic_roughness_texture.is_some()) {
+/// `SMOOTH_*` of a microfacet lobe of this roughness.
+pub(super) fn smoothness(roughness: f32, textured: bool) -> u32 {
+    match (roughness * roughness < SMOOTH_ALPHA, textured) {
         (true, _) => SMOOTH_ALWAYS,
         (false, true) => SMOOTH_PER_HIT,
         (false, false) => SMOOTH_NEVER,

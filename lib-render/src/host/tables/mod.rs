@@ -11,6 +11,7 @@ pub mod memory;
 pub mod textures;
 pub mod materials;
 pub mod models;
+mod lobes;
 pub mod geometry;
 pub mod plane;
 pub mod lights;
