@@ -1,4 +1,4 @@
-//! Scenes as plain host data: from a glTF 2.0 file, or made by code, to lists that refer to each other by index.
+//! Scenes as plain host data: from a glTF 2.0 or OBJ file, or made by code, to lists that refer to each other by index.
 //!
 //! This crate knows nothing of rendering. It answers two questions: *what is in the file*, and *is it sound*. A
 //! [`Scene`] that it returns can be walked without a check: every index is in range, every number finite, every transform
@@ -7,7 +7,7 @@
 //! ```
 //! use jerboa_scenes::{Scene, builtin};
 //!
-//! let scene = Scene::load("builtin:cornell-box")?; // or the path of a .glb or .gltf
+//! let scene = Scene::load("builtin:cornell-box")?; // or the path of a .glb, .gltf or .obj
 //! for warning in scene.all_warnings() {
 //!     eprintln!("warning: {warning}");
 //! }
@@ -37,6 +37,8 @@
 //! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
 //!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr) or given later by [`Scene::set_environment`].
 //! - **Cameras**: perspective; the film's size from the camera's `extras: {width, height}`.
+//! - **Wavefront OBJ**: polygons with texture coordinates and normals; MTL with diffuse, Phong, mirror, glass and light, and
+//!   metalness and roughness where a library has them.
 //! - KHR_mesh_quantization. Any other extension is an error where the file *requires* it, else a warning.
 //!
 //! # What is ignored, and why
@@ -65,6 +67,7 @@
 mod camera;
 mod environment;
 mod error;
+mod folder;
 mod gltf;
 mod light;
 mod limits;
@@ -72,6 +75,7 @@ mod lobes;
 mod material;
 mod mesh;
 mod model;
+mod obj;
 mod scene;
 mod texture;
 

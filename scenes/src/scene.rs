@@ -32,7 +32,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Loads a .gltf or .glb file, or a built-in scene by `builtin:NAME`, within the default [`Limits`].
+    /// Loads a .gltf, .glb or .obj file, or a built-in scene by `builtin:NAME`, within the default [`Limits`].
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, Error> {
         Scene::load_within(path, &Limits::default())
     }
@@ -42,6 +42,7 @@ impl Scene {
         let path = path.as_ref();
         match path.to_str().and_then(|p| p.strip_prefix("builtin:")) {
             Some(name) => builtin::build(name),
+            None if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) => obj::load(path, limits),
             None => gltf::load(path, limits),
         }
     }
@@ -61,7 +62,7 @@ impl Scene {
         if !rotation_deg.is_finite() {
             return Err(bad("rotation", rotation_deg));
         }
-        let (environment, repaired) = environment::decode(file, "", &gltf::folder::read(file, &limits)?, &limits)?;
+        let (environment, repaired) = environment::decode(file, "", &folder::read(file, &limits)?, &limits)?;
         if repaired > 0 {
             let message = format!("{repaired} texels of {} are not finite or negative: 0 is used", file.display());
             warn(&mut self.warnings, "", message);

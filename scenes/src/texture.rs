@@ -1,6 +1,8 @@
 //! Textures: an image or a pattern, and how it is looked up.
 
 use crate::{Error, Limits};
+use image::{ImageDecoder, ImageFormat};
+use std::io::Cursor;
 use std::path::Path;
 
 /// What a texture coordinate outside 0..1 means.
@@ -94,4 +96,50 @@ pub(crate) fn check_size(
         return Err(too_large(format!("{} bytes decoded (image_bytes)", limits.image_bytes)));
     }
     Ok(())
+}
+
+/// Decodes PNG, JPEG or WebP, told by their first bytes (the stated type is often wrong), once header and limits agree;
+/// `left` are the bytes that images may still take. The outer error ends the load; the inner one, a reason, only loses the
+/// image, whose name is the caller's to give. `path` is where the scene file refers to it.
+pub(crate) fn decode(
+    file: &Path,
+    path: &str,
+    bytes: &[u8],
+    limits: &Limits,
+    left: &mut u64,
+) -> Result<Result<Image, String>, Error> {
+    let format = image::guess_format(bytes);
+    let Some(format) = format.ok().filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP))
+    else {
+        return Ok(Err("the image is neither PNG, JPEG nor WebP".into()));
+    };
+    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
+    let mut bounds = image::Limits::default();
+    // The decoder's own working memory: 16-bit channels and a row or two beside the image.
+    bounds.max_alloc = Some(limits.image_bytes.saturating_mul(3));
+    reader.limits(bounds);
+    let decoder = match reader.into_decoder() {
+        Ok(decoder) => decoder,
+        Err(e) => return Ok(Err(undecodable(e))),
+    };
+    let (width, height) = decoder.dimensions();
+    check_size(file, path, [width, height], 4, limits)?;
+    let cost = u64::from(width) * u64::from(height) * 4;
+    *left = left.checked_sub(cost).ok_or_else(|| Error::Limit {
+        file: file.into(),
+        path: path.into(),
+        what: format!("the images up to here, {width} x {height} texels more,"),
+        limit: format!("{} bytes in all (images_bytes)", limits.images_bytes),
+    })?;
+    Ok(match image::DynamicImage::from_decoder(decoder) {
+        Ok(decoded) => {
+            let rgba = decoded.into_rgba8().as_chunks::<4>().0.to_vec();
+            Ok(Image { name: String::new(), width, height, rgba })
+        }
+        Err(e) => Err(undecodable(e)),
+    })
+}
+
+fn undecodable(error: image::ImageError) -> String {
+    format!("the image cannot be decoded ({error})")
 }

@@ -232,7 +232,7 @@ fn seconds(text: &str) -> Result<f32, String> {
 /// Words of `jerboa render`.
 #[derive(Clone, Debug, Args)]
 pub struct RenderArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
     /// Where the image goes: .exr is linear, .png is exposed, clamped to [0, 1] and sRGB-encoded
@@ -309,7 +309,7 @@ pub struct RenderArgs {
 /// Words of `jerboa dump`.
 #[derive(Clone, Debug, Args)]
 pub struct DumpArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
     /// What to show
     #[arg(long, value_enum)]
@@ -325,7 +325,7 @@ pub struct DumpArgs {
 /// Words of `jerboa time`.
 #[derive(Clone, Debug, Args)]
 pub struct TimeArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
     /// For which device
     #[arg(long, value_name = "DEVICE", value_enum, default_value_t = DeviceArg::Cpu)]
@@ -338,7 +338,7 @@ pub struct TimeArgs {
 /// Words of `jerboa explain`.
 #[derive(Clone, Debug, Args)]
 pub struct ExplainArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
     /// This kernel only [default: all]
     #[arg(long, value_name = "NAME")]
@@ -348,7 +348,7 @@ pub struct ExplainArgs {
 /// Words of `jerboa trace`.
 #[derive(Clone, Debug, Args)]
 pub struct TraceArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
     /// Column and row of the pixel, from the top left
     #[arg(long, value_name = "X,Y")]
@@ -410,7 +410,7 @@ pub struct StabilityArgs {
 /// Words of `jerboa bench rays`.
 #[derive(Debug, Args)]
 pub struct RaysArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
     /// Who traces them
@@ -433,7 +433,7 @@ pub struct RaysArgs {
 /// Words of `jerboa bench edits`.
 #[derive(Debug, Args)]
 pub struct EditsArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .obj file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
     /// Edits of each kind

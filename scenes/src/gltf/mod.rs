@@ -8,7 +8,7 @@ mod accessor;
 mod buffer;
 mod container;
 mod environment;
-pub(crate) mod folder;
+mod folder;
 mod json;
 mod light;
 mod lobes;
@@ -68,7 +68,7 @@ struct Loader<'a> {
 
 /// Loads a .gltf or .glb file.
 pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
-    let bytes = folder::read(file, limits)?;
+    let bytes = crate::folder::read(file, limits)?;
     let (json, bin) = container::split(file, &bytes)?;
     let value = container::parse(file, json, limits)?;
     let root = Json::root(file, &value);

@@ -5,10 +5,8 @@ use super::folder::{Resolved, resolve};
 use super::json::Json;
 use super::schema::{MagFilter, WrappingMode};
 use crate::error::warn;
-use crate::texture::check_size;
+use crate::texture::decode;
 use crate::{Error, Filter, Image, Texture, TextureSource, Wrap};
-use image::{ImageDecoder, ImageFormat};
-use std::io::Cursor;
 
 impl<'a> Loader<'a> {
     /// The scene's texture for the index at `reference`; `None`, with a warning, when its image cannot be had.
@@ -36,6 +34,11 @@ impl<'a> Loader<'a> {
         };
         self.textures.insert(index, new);
         Ok(new)
+    }
+
+    fn decode(&mut self, at: &Json, bytes: &[u8]) -> Result<Result<Image, String>, Error> {
+        let decoded = decode(at.file, &at.path, bytes, self.limits, &mut self.images_left)?;
+        Ok(decoded.map(|image| Image { name: at.name(), ..image }))
     }
 
     fn image(&mut self, reference: &Json<'a>) -> Result<Option<usize>, Error> {
@@ -74,43 +77,6 @@ impl<'a> Loader<'a> {
             None => Ok(Err("the image has neither uri nor bufferView".into())),
         }
     }
-
-    /// Decodes PNG, JPEG or WebP, told by their first bytes (the stated type is often wrong), once header and limits agree.
-    fn decode(&mut self, at: &Json, bytes: &[u8]) -> Result<Result<Image, String>, Error> {
-        let format = image::guess_format(bytes);
-        let Some(format) =
-            format.ok().filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP))
-        else {
-            return Ok(Err("the image is neither PNG, JPEG nor WebP".into()));
-        };
-        let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
-        let mut limits = image::Limits::default();
-        // The decoder's own working memory: 16-bit channels and a row or two beside the image.
-        limits.max_alloc = Some(self.limits.image_bytes.saturating_mul(3));
-        reader.limits(limits);
-        let decoder = match reader.into_decoder() {
-            Ok(decoder) => decoder,
-            Err(e) => return Ok(Err(undecodable(e))),
-        };
-        let (width, height) = decoder.dimensions();
-        check_size(at.file, &at.path, [width, height], 4, self.limits)?;
-        let cost = u64::from(width) * u64::from(height) * 4;
-        self.images_left = self.images_left.checked_sub(cost).ok_or_else(|| {
-            let limit = format!("{} bytes in all (images_bytes)", self.limits.images_bytes);
-            at.limit_fault(format!("the images up to here, {width} x {height} texels more,"), limit)
-        })?;
-        Ok(match image::DynamicImage::from_decoder(decoder) {
-            Ok(decoded) => {
-                let rgba = decoded.into_rgba8().as_chunks::<4>().0.to_vec();
-                Ok(Image { name: at.name(), width, height, rgba })
-            }
-            Err(e) => Err(undecodable(e)),
-        })
-    }
-}
-
-fn undecodable(error: image::ImageError) -> String {
-    format!("the image cannot be decoded ({error})")
 }
 
 fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Texture, Error> {

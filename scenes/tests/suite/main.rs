@@ -6,6 +6,7 @@ mod hostile;
 mod lobes;
 mod messages;
 mod missing;
+mod obj;
 mod reading;
 mod shared;
 mod second_reader;
