@@ -55,6 +55,8 @@ table! {
         RAY_OFFSET: F32, value;
         /// Number of lights.
         LIGHT_COUNT: U32, value;
+        /// How far ambient occlusion looks, m; infinity for no end.
+        OCCLUSION_DISTANCE: F32, value;
     }
 }
 

@@ -4,6 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 pub use super::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, OutputArgs, RenderedArgs, Table2Args};
+pub use super::shown::{AovArg, ShownArgs, TracerArg};
 
 /// A path tracer that specialises itself for the scene it is given. Of a word given twice, the last counts.
 #[derive(Debug, Parser)]
@@ -133,20 +134,6 @@ pub enum TraversalArg {
     Ir,
 }
 
-/// What a path is traced for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum TracerArg {
-    /// Light transport
-    #[default]
-    Path,
-    /// Shading normals at the first hit
-    Normals,
-    /// Base colour at the first hit
-    Albedo,
-    /// Distance to the first hit
-    Depth,
-}
-
 /// How shading normals may differ from the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ShadingNormalsArg {
@@ -215,7 +202,7 @@ fn finite(text: &str) -> Result<f32, String> {
 }
 
 /// `text` as a finite number that is not negative.
-fn finite_not_negative(text: &str) -> Result<f32, String> {
+pub(super) fn finite_not_negative(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|x| *x >= 0.0).ok_or_else(|| "expected a finite number, 0 or more".into())
 }
 
@@ -262,9 +249,9 @@ pub struct RenderArgs {
     /// Who finds what rays hit on the device cpu
     #[arg(long, value_name = "WALK", value_enum, default_value_t)]
     pub traversal: TraversalArg,
-    /// What to show
-    #[arg(long, value_name = "TRACER", value_enum, default_value_t)]
-    pub tracer: TracerArg,
+    /// What is shown.
+    #[command(flatten)]
+    pub shown: ShownArgs,
     /// A camera of the scene by name [default: the first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -498,7 +485,7 @@ mod tests {
     fn render_alone_renders_the_default_scene() {
         let args: RenderArgs = parse("").unwrap();
         assert_eq!((args.scene.as_str(), args.output, args.spp), (DEFAULT_SCENE, "out.png".into(), 64));
-        assert_eq!((args.known, args.tracer), (KnownArg::Structure, TracerArg::Path));
+        assert_eq!((args.known, args.shown.tracer), (KnownArg::Structure, TracerArg::Path));
         assert_eq!((args.rr_depth, args.rr_cap, args.max_depth), (3, 1.0, None));
         assert_eq!(args.shading_normals, ShadingNormalsArg::Consistent);
     }
@@ -513,7 +500,7 @@ mod tests {
         .unwrap();
         assert_eq!((args.scene.as_str(), args.output), ("a.glb", "b.exr".into()));
         assert_eq!((args.spp, args.width, args.height, args.max_depth), (16, Some(40), Some(30), Some(16)));
-        assert_eq!((args.seed, args.known, args.tracer), (7, KnownArg::All, TracerArg::Depth));
+        assert_eq!((args.seed, args.known, args.shown.tracer), (7, KnownArg::All, TracerArg::Depth));
         assert_eq!((args.env_rotation, args.env_strength, args.exposure), (Some(-90.0), Some(2.0), -1.5));
         assert_eq!((args.crop, args.threads, args.time_limit), (Some(CropArg([1, 2, 3, 4])), Some(2), Some(10.0)));
         assert!(args.json && args.camera.as_deref() == Some("Main"));

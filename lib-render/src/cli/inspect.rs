@@ -10,7 +10,7 @@ use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg};
 use super::scene::load;
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
-use crate::host::generate::{Keep, Request, TracerKind, generate, residual};
+use crate::host::generate::{Keep, Request, TracerKind, generate, generic_of, residual};
 use crate::host::gpu;
 use crate::host::tables::{Choices, Tables};
 
@@ -22,8 +22,8 @@ pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
     let device = if on_gpu { DeviceKind::GpuWavefront } else { DeviceKind::default() };
     let kernels = kernels(&tables, device, args.kernel.as_deref())?;
     match args.stage {
-        // The generic program is one for all kernels of a device, and for all scenes.
-        StageArg::Generic => Ok(print(kernels[0].device.generic().program())),
+        // The generic program is one for all scenes, and for all kernels of a device over this tracer and its like.
+        StageArg::Generic => Ok(print(generic_of(kernels[0].device, kernels[0].tracer).program())),
         StageArg::Clif | StageArg::Asm => {
             let generated = generate(&tables, &kernels, Keep { dumps: true, log: false })?.kernels;
             let dumped = generated.iter().map(|g| if args.stage == StageArg::Clif { g.clif() } else { g.asm() });
@@ -80,7 +80,7 @@ fn kernels(tables: &Tables, device: DeviceKind, name: Option<&str>) -> Result<Ve
     let Some(name) = name else { return Ok(device.requests(tables, TracerKind::Path)) };
     let mut all: Vec<Request> = Vec::new();
     for request in DeviceKind::ALL.iter().flat_map(|d| TracerKind::ALL.iter().flat_map(|t| d.requests(tables, *t))) {
-        if !all.contains(&request) {
+        if !all.iter().any(|r| r.name == request.name) {
             all.push(request);
         }
     }

@@ -5,6 +5,7 @@
 
 pub mod args;
 pub mod faults;
+mod shown;
 mod scene;
 mod render;
 mod inspect;

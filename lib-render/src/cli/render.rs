@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::args::RenderArgs;
 use super::in_pool;
 use super::scene::{camera, choices, film_size, load, set_environment};
+use crate::host::aov::channels;
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
 use crate::host::image_io::Image;
@@ -27,6 +28,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<String, Error> {
 
 fn run_here(args: &RenderArgs) -> Result<String, Error> {
     Image::check_target(&args.output)?;
+    if !args.shown.aov.is_empty() {
+        Image::check_layers(&args.output)?;
+    }
     let (mut scene, load_time) = load(&args.scene)?;
     set_environment(&mut scene, args)?;
     let camera = camera(&scene, args.camera.as_deref())?;
@@ -35,7 +39,7 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
 
     let options = Options {
         known: args.known.into(),
-        tracer: args.tracer.into(),
+        tracer: args.shown.tracer.into(),
         choices: choices(args),
         device: args.device.into(),
         traversal: args.traversal.into(),
@@ -47,7 +51,13 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
     let mut film = Film::try_crop(size, window)?;
     let job = Render { sample: 0, spp: args.spp, seed: args.seed };
     let stats = with_progress(args, window, |handle| renderer.render_with(&camera, &mut film, job, handle))?;
-    film.mean().write(&args.output, args.exposure)?;
+    if args.shown.aov.is_empty() {
+        film.mean().write(&args.output, args.exposure)?;
+    } else {
+        let layers: Vec<_> = args.shown.aov.iter().map(|aov| (*aov).into()).collect();
+        let job = Render { spp: stats.spp.max(1), ..job };
+        film.mean().write_with(&args.output, channels(&renderer, &camera, &film, job, &layers)?)?;
+    }
     let report = Report { args, size, load_time, renderer: &renderer, stats, dropped: film.dropped() };
     Ok(if args.json { report.json() } else { report.text() })
 }

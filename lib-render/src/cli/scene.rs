@@ -5,11 +5,10 @@ use std::time::{Duration, Instant};
 
 use jerboa_scenes::{Camera, Scene};
 
-use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TracerArg, TraversalArg};
+use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TraversalArg};
 use crate::bsdf::models::MODELS;
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
-use crate::host::generate::TracerKind;
 use crate::host::gpu;
 use crate::host::tables::models::check_models;
 use crate::host::tables::{Choices, Known};
@@ -42,17 +41,6 @@ impl From<DeviceArg> for DeviceKind {
             DeviceArg::CpuScalar => DeviceKind::CpuScalar,
             DeviceArg::GpuMegakernel => DeviceKind::GpuMegakernel,
             DeviceArg::GpuWavefront => DeviceKind::GpuWavefront,
-        }
-    }
-}
-
-impl From<TracerArg> for TracerKind {
-    fn from(arg: TracerArg) -> TracerKind {
-        match arg {
-            TracerArg::Path => TracerKind::Path,
-            TracerArg::Normals => TracerKind::Normals,
-            TracerArg::Albedo => TracerKind::Albedo,
-            TracerArg::Depth => TracerKind::Depth,
         }
     }
 }
@@ -120,5 +108,6 @@ pub fn choices(args: &RenderArgs) -> Choices {
         rr_cap: args.rr_cap,
         consistent_normals: args.shading_normals == ShadingNormalsArg::Consistent,
         ray_offset: args.ray_offset,
+        occlusion_distance: args.shown.ao_distance.unwrap_or(f32::INFINITY),
     }
 }

@@ -9,7 +9,7 @@ use super::args::{KnownArg, TimeArgs};
 use super::scene::load;
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
-use crate::host::generate::{Generated, Keep, TracerKind, generate};
+use crate::host::generate::{Generated, Keep, TracerKind, generate, generic_of};
 use crate::host::gpu::{Emitted, RealMachine};
 use crate::host::tables::{Choices, Tables};
 
@@ -17,7 +17,7 @@ use crate::host::tables::{Choices, Tables};
 pub(super) fn run(args: &TimeArgs) -> Result<String, Error> {
     let device = DeviceKind::from(args.device);
     // What is built once for all scenes is not charged to this one.
-    device.generic();
+    generic_of(device, TracerKind::Path);
     let (scene, load) = load(&args.scene)?;
     let start = Instant::now();
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());

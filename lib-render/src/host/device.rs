@@ -1,8 +1,8 @@
 //! Which kernels a device has, and what is known of their parameters.
 
-use jerboa_peval::{Arg, Generic};
+use jerboa_peval::Arg;
 
-use super::generate::{Request, TracerKind, generic, gpu_generic};
+use super::generate::{Request, TracerKind};
 use super::gpu::wavefront;
 use super::tables::Tables;
 use crate::device::stream::kernel_name;
@@ -50,11 +50,6 @@ impl DeviceKind {
         !DeviceKind::CPU.contains(&self)
     }
 
-    /// The generic program that has its entries.
-    pub fn generic(self) -> &'static Generic {
-        if self.is_gpu() { gpu_generic() } else { generic() }
-    }
-
     /// The kernels that show what a tracer shows, in an order that the host half of the device goes by:
     /// * [`DeviceKind::Cpu`]: `generate`, `trace`, `miss`, `shadow`, then a `shade` for each class,
     /// * [`DeviceKind::GpuWavefront`]: those of [`wavefront::STAGES`], then a `shade` for each class,
@@ -64,6 +59,7 @@ impl DeviceKind {
     pub fn requests(self, tables: &Tables, tracer: TracerKind) -> Vec<Request> {
         let entry = |entry: String, unknown: usize| Request {
             device: self,
+            tracer,
             name: entry.clone(),
             entry,
             args: vec![Arg::Unknown; unknown],

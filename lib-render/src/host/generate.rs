@@ -1,7 +1,7 @@
 //! From tables to kernels: build the generic program once, specialise it, compile what is left.
 //!
 //! The generic program is the same for every scene (Law 1). It is built when it is first needed and shared by all threads.
-//! There are two, so that nobody waits for the entries of a GPU who does not ask for one.
+//! There are four, so that nobody waits for the entries of a GPU, or of the [`TracerKind::SPECIAL`] tracers, who asks for none.
 
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
@@ -24,7 +24,9 @@ use crate::device::megakernel::make_megakernel_device;
 use crate::device::stream::make_stream_device;
 use crate::device::wavefront::make_wavefront_device;
 use crate::schema::declare_all;
+use crate::tracer::aov::{Aov, make_aov_tracer};
 use crate::tracer::debug::{Show, make_debug_tracer};
+use crate::tracer::occlusion::make_occlusion_tracer;
 use crate::tracer::path::make_path_tracer;
 
 /// What a renderer shows; each has kernels of its own.
@@ -39,11 +41,31 @@ pub enum TracerKind {
     Albedo,
     /// Distance from the camera, m.
     Depth,
+    /// Ambient occlusion: the open share of the sky over a surface.
+    Occlusion,
+    /// For layers of a file: see [`Aov::Normal`].
+    AovNormal,
+    /// For layers of a file: see [`Aov::Place`].
+    AovPlace,
 }
 
 impl TracerKind {
-    /// All of them, in the order of the entries.
-    pub const ALL: [TracerKind; 4] = [TracerKind::Path, TracerKind::Normals, TracerKind::Albedo, TracerKind::Depth];
+    /// All of them.
+    pub const ALL: [TracerKind; 7] = [
+        TracerKind::Path,
+        TracerKind::Normals,
+        TracerKind::Albedo,
+        TracerKind::Depth,
+        TracerKind::Occlusion,
+        TracerKind::AovNormal,
+        TracerKind::AovPlace,
+    ];
+
+    /// Those of [`generic`] and [`gpu_generic`], in the order of the entries.
+    pub const COMMON: [TracerKind; 4] = [TracerKind::Path, TracerKind::Normals, TracerKind::Albedo, TracerKind::Depth];
+
+    /// The others, which have generic programs of their own.
+    pub const SPECIAL: [TracerKind; 3] = [TracerKind::Occlusion, TracerKind::AovNormal, TracerKind::AovPlace];
 
     /// Name of its kernel on the scalar device.
     pub fn kernel(self) -> &'static str {
@@ -52,31 +74,40 @@ impl TracerKind {
             TracerKind::Normals => "normals",
             TracerKind::Albedo => "albedo",
             TracerKind::Depth => "depth",
+            TracerKind::Occlusion => "occlusion",
+            TracerKind::AovNormal => "aov_normal",
+            TracerKind::AovPlace => "aov_place",
         }
     }
 }
 
-/// Every entry of the CPU's devices over every component, for all scenes.
+/// Every entry of the CPU's devices over the common tracers, for all scenes.
 pub fn every_entry() -> Program {
-    every_entry_of([make_cpu_device, make_stream_device])
+    every_entry_of(&CPU, &TracerKind::COMMON)
 }
 
 /// Every entry of the GPU's devices, likewise.
 pub fn every_gpu_entry() -> Program {
-    every_entry_of([make_megakernel_device, make_wavefront_device])
+    every_entry_of(&GPU, &TracerKind::COMMON)
 }
 
-fn every_entry_of(devices: [fn() -> Device; 2]) -> Program {
+const CPU: [fn() -> Device; 2] = [make_cpu_device, make_stream_device];
+const GPU: [fn() -> Device; 2] = [make_megakernel_device, make_wavefront_device];
+
+fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind]) -> Program {
     build(|| {
         declare_all();
         let camera = make_perspective_camera();
-        let devices = devices.map(|make| make());
-        for kind in TracerKind::ALL {
+        let devices: Vec<Device> = devices.iter().map(|make| make()).collect();
+        for kind in tracers {
             let tracer = match kind {
                 TracerKind::Path => make_path_tracer(camera),
                 TracerKind::Normals => make_debug_tracer(camera, Show::Normals),
                 TracerKind::Albedo => make_debug_tracer(camera, Show::Albedo),
                 TracerKind::Depth => make_debug_tracer(camera, Show::Depth),
+                TracerKind::Occlusion => make_occlusion_tracer(camera),
+                TracerKind::AovNormal => make_aov_tracer(camera, Aov::Normal),
+                TracerKind::AovPlace => make_aov_tracer(camera, Aov::Place),
             };
             devices.iter().for_each(|device| (device.trace)(kind.kernel(), tracer));
         }
@@ -95,6 +126,18 @@ pub fn gpu_generic() -> &'static Generic {
     &GENERIC
 }
 
+/// The generic program of a device that has the entries of a tracer.
+pub fn generic_of(device: DeviceKind, tracer: TracerKind) -> &'static Generic {
+    static CPU_SPECIAL: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry_of(&CPU, &TracerKind::SPECIAL)));
+    static GPU_SPECIAL: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry_of(&GPU, &TracerKind::SPECIAL)));
+    match (device.is_gpu(), TracerKind::COMMON.contains(&tracer)) {
+        (false, true) => generic(),
+        (true, true) => gpu_generic(),
+        (false, false) => &CPU_SPECIAL,
+        (true, false) => &GPU_SPECIAL,
+    }
+}
+
 /// What to keep besides the code.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Keep {
@@ -109,9 +152,11 @@ pub struct Keep {
 pub struct Request {
     /// The device.
     pub device: DeviceKind,
+    /// The tracer: device and tracer say in which generic program the entry is.
+    pub tracer: TracerKind,
     /// Its name.
     pub name: String,
-    /// The entry of the device's generic program.
+    /// The entry of the generic program.
     pub entry: String,
     /// What is known of the entry's parameters.
     pub args: Vec<Arg>,
@@ -134,7 +179,7 @@ pub struct Generated {
 /// Specialise a kernel for these tables.
 pub fn residual(tables: &Tables, request: &Request, keep: Keep) -> Result<Residual, Error> {
     let options = jerboa_peval::Options { log: keep.log, ..Default::default() };
-    let generic = request.device.generic();
+    let generic = generic_of(request.device, request.tracer);
     specialize(generic, &request.entry, &request.args, &tables.facts, &options).map_err(|e| Error::new(e.to_string()))
 }
 

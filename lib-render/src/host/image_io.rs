@@ -12,7 +12,9 @@
 //! A write is whole or absent: the bytes go to a temporary file in the target's folder, are flushed to the disk, and
 //! the file is then renamed over the target. Whatever fails before that leaves the old file as it was.
 
+use super::aov::components;
 use super::error::Error;
+use super::exr::{Channel, write_channels};
 use image::{DynamicImage, ImageReader, Rgb32FImage, RgbImage};
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -61,6 +63,30 @@ impl Image {
             encoded.write_to(&mut file, format.codec()).map_err(std::io::Error::other)?;
             file.flush()
         })
+    }
+
+    /// Writes an `.exr` with more channels beside red, green and blue.
+    ///
+    /// # Errors
+    /// The file is to be another one, or cannot be written.
+    pub fn write_with(&self, path: &Path, channels: Vec<Channel>) -> Result<(), Error> {
+        Image::check_layers(path)?;
+        let all = components("", ["R", "G", "B"], self).chain(channels).collect();
+        write_channels(path, [self.width, self.height], all)
+    }
+
+    /// Can layers be written there? As [`Image::check_target`].
+    ///
+    /// # Errors
+    /// The extension is not .exr.
+    pub fn check_layers(path: &Path) -> Result<(), Error> {
+        if Format::of(path)? == Format::Exr {
+            return Ok(());
+        }
+        Err(Error::new(format!(
+            "cannot write {}: only an .exr has layers, so its name must end in that",
+            path.display()
+        )))
     }
 
     /// Can an image be written there? Asked before a long render, not after it.

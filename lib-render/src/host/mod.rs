@@ -7,6 +7,7 @@
 //! * [`error`]: what a user is told when something of his cannot be used,
 //! * [`film`]: the exact, order-free sum of samples,
 //! * [`image_io`]: linear images in memory and on disk,
+//! * [`exr`], [`aov`]: files of any channels, and the layers that denoisers and compositors ask for,
 //! * [`bvh`]: the tree of boxes over a scene's triangles,
 //! * [`native`]: the walk of the device of streams by hand, for processors that have AVX-512,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
@@ -50,6 +51,8 @@ pub mod alias;
 pub mod error;
 pub mod film;
 pub mod image_io;
+pub mod exr;
+pub mod aov;
 #[cfg(test)]
 mod random;
 pub mod student;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::device::{DeviceKind, Traversal};
 use super::error::Error;
 use super::film::Film;
-use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
+use super::generate::{Generated, Keep, Kernels, TracerKind, generate, generic_of};
 use super::gpu::{self, RealMachine, Schedule};
 use super::scalar;
 use super::tables::models::check_models;
@@ -190,12 +190,22 @@ impl Renderer {
         };
         let lay_out = || (Tables::walked(scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
-        let ((tables, laid_out), _) = rayon::join(lay_out, || options.device.generic());
+        let ((tables, laid_out), _) = rayon::join(lay_out, || generic_of(options.device, options.tracer));
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
         let waited = laid_out.elapsed();
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
         let specialize_time = waited + specialize_time;
         Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
+    }
+
+    /// A renderer of the same scene that shows something else. Tables are shared.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn showing(&self, tracer: TracerKind) -> Result<Renderer, Error> {
+        let (options, tables) = (Options { tracer, ..self.options }, self.tables.clone());
+        let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
+        Ok(Renderer { options, tables, device, tables_time: Duration::ZERO, specialize_time, codegen_time })
     }
 
     /// The scene's tables.

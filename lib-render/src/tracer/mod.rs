@@ -5,14 +5,17 @@
 
 pub mod path;
 pub mod debug;
+pub mod aov;
+pub mod occlusion;
 
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Never, Row, U32};
 
+use crate::bsdf::frame::Side;
 use crate::camera::CameraFn;
 use crate::core::color::{Color, black, white};
 use crate::core::rng::Rng;
-use crate::geometry::SurfaceElement;
+use crate::geometry::{Frame3, SurfaceElement};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
 use crate::schema::Frame;
@@ -79,4 +82,10 @@ pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -
         absorption: black(),
     };
     (camera.call(b, (x, y, rng.vertex(0.into(), 0))), state)
+}
+
+/// The side of a surface that a ray has hit, by the shading normal with the normal map.
+fn side_seen(surf: SurfaceElement, mat: Material, ray: Ray) -> Side {
+    let local = Frame3 { normal: mat.normal, ..surf.local };
+    Side::new(SurfaceElement { local, ..surf }, -ray.dir)
 }

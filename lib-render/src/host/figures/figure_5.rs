@@ -16,7 +16,7 @@ use super::{Chart, Group, LEVELS, Spread};
 use crate::host::code_cache::forget_unused;
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
-use crate::host::generate::{Keep, Request, TracerKind, generate, residuals};
+use crate::host::generate::{Keep, Request, TracerKind, generate, generic_of, residuals};
 use crate::host::gpu;
 use crate::host::tables::{Choices, Tables};
 
@@ -60,7 +60,7 @@ pub fn measure(scenes: &[Scene], rounds: u32) -> Result<Vec<Chart>, Error> {
     // Those of a GPU in a build that has code for it.
     let devices: Vec<_> = DEVICES.into_iter().filter(|(device, _)| gpu::IS_BUILT || !device.is_gpu()).collect();
     for (device, _) in &devices {
-        device.generic();
+        generic_of(*device, TracerKind::Path);
     }
     let mut groups = Vec::new();
     for scene in scenes {

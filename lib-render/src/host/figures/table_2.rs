@@ -50,7 +50,7 @@ pub fn fair(max_depth: u32) -> Choices {
         rr_depth: Some(RR_DEPTH),
         rr_cap: RR_CAP,
         consistent_normals: false,
-        ray_offset: 0.0,
+        ..Choices::default()
     }
 }
 

@@ -52,11 +52,20 @@ pub struct Choices {
     /// renderers with a fixed epsilon do; shadow rays end ten times that share before the light. 0 for exact, which only a
     /// comparison with such a renderer wants otherwise.
     pub ray_offset: f32,
+    /// How far ambient occlusion looks, m; infinity for no end.
+    pub occlusion_distance: f32,
 }
 
 impl Default for Choices {
     fn default() -> Self {
-        Choices { max_depth: None, rr_depth: Some(3), rr_cap: 1.0, consistent_normals: true, ray_offset: 0.0 }
+        Choices {
+            max_depth: None,
+            rr_depth: Some(3),
+            rr_cap: 1.0,
+            consistent_normals: true,
+            ray_offset: 0.0,
+            occlusion_distance: f32::INFINITY,
+        }
     }
 }
 
@@ -221,6 +230,7 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::CONSISTENT_NORMALS, choices.consistent_normals)
         .set(S::HAS_RAY_OFFSET, choices.ray_offset > 0.0)
         .set(S::RAY_OFFSET, choices.ray_offset)
+        .set(S::OCCLUSION_DISTANCE, choices.occlusion_distance)
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
         .set(S::HAS_ONE_LIGHT, lights == 1)
