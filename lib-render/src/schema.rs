@@ -138,6 +138,7 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Counts>(),
     spec::<Models>(),
     spec::<Parameters>(),
+    spec::<LightVertices>(),
 ];
 
 /// Declare every buffer in the program that is being built.

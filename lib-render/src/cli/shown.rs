@@ -12,6 +12,10 @@ pub enum TracerArg {
     /// Light transport, from the camera
     #[default]
     Path,
+    /// Light transport, from the lights: good at caustics, blind to emitters, mirrors and glass seen directly
+    Light,
+    /// Light transport, from both sides: all that either finds
+    Bidirectional,
     /// Shading normals at the first hit
     Normals,
     /// Base colour at the first hit
@@ -26,6 +30,8 @@ impl From<TracerArg> for TracerKind {
     fn from(arg: TracerArg) -> TracerKind {
         match arg {
             TracerArg::Path => TracerKind::Path,
+            TracerArg::Light => TracerKind::Light,
+            TracerArg::Bidirectional => TracerKind::Bidirectional,
             TracerArg::Normals => TracerKind::Normals,
             TracerArg::Albedo => TracerKind::Albedo,
             TracerArg::Depth => TracerKind::Depth,

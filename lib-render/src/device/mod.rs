@@ -7,8 +7,11 @@
 //! |---|---|---|
 //! | CPU | [`cpu`] | [`stream`] |
 //! | GPU | [`megakernel`] | [`wavefront`] |
+//!
+//! Paths from lights have the scalar one, alone or with paths from the camera ([`both`]).
 
 pub mod cpu;
+pub mod both;
 pub mod stream;
 pub mod pixel;
 pub mod megakernel;

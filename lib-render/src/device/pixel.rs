@@ -47,6 +47,13 @@ impl PixelSum {
         }
     }
 
+    /// Add light that is no sample of the pixel: from a path that belongs to another one. What cannot be added is dropped.
+    #[must_use]
+    pub fn with_light(self, light: Color) -> PixelSum {
+        let zero = U32::from(0);
+        PixelSum { count: self.count, ..self.with(light, zero, zero) }
+    }
+
     /// The row of this number.
     pub fn load(b: &mut Block, row: U32) -> PixelSum {
         b.load_record(Pixels::R0, row)

@@ -55,6 +55,8 @@ impl DeviceKind {
     /// * [`DeviceKind::GpuWavefront`]: those of [`wavefront::STAGES`], then a `shade` for each class,
     /// * the others: one.
     ///
+    /// A tracer that this device cannot run has none, and on [`DeviceKind::Cpu`] the one of [`TracerKind::device`].
+    ///
     /// Beyond [`MOST_CLASSES`] there is one `shade` that reads from tables what it needs to know.
     pub fn requests(self, tables: &Tables, tracer: TracerKind) -> Vec<Request> {
         let entry = |entry: String, unknown: usize| Request {
@@ -65,6 +67,10 @@ impl DeviceKind {
             args: vec![Arg::Unknown; unknown],
         };
         let of_tracer = |stage: &str| kernel_name(tracer.kernel(), stage);
+        if tracer.is_splatting() {
+            let scalar = Request { device: DeviceKind::CpuScalar, ..entry(tracer.kernel().into(), 2) };
+            return if self.is_gpu() { Vec::new() } else { vec![scalar] };
+        }
         match self {
             DeviceKind::Cpu => {
                 let mut requests = vec![entry(of_tracer("generate"), 4), entry("trace".into(), 2)];

@@ -175,6 +175,18 @@ impl Film {
         self.dropped += u64::from(dropped);
     }
 
+    /// Adds the samples of the pixels that `other` has in common with this film, and what it dropped anywhere.
+    pub fn merge_common(&mut self, other: &Film) {
+        for (y, row) in (self.window.y..).zip(self.pixels.chunks_mut(self.window.width.max(1) as usize)) {
+            for (x, into) in (self.window.x..).zip(row) {
+                let Some(from) = other.window.index([x, y]).map(|index| other.pixels[index]) else { continue };
+                into.count += from.count;
+                into.sum.iter_mut().zip(from.sum).for_each(|(sum, part)| *sum += part);
+            }
+        }
+        self.dropped += other.dropped;
+    }
+
     /// Adds all samples of `part`, whose window must lie within this one's.
     pub fn merge(&mut self, part: &Film) -> Result<(), Error> {
         if !self.window.contains(&part.window) {
@@ -214,6 +226,14 @@ impl Film {
         let mean = |p: &Pixel| p.sum.map(|sum| round_mean(sum, p.count));
         Image { width: self.window.width, height: self.window.height, pixels: self.pixels.iter().map(mean).collect() }
     }
+}
+
+/// Three sums in units of 2^-64 from four words each, the least significant first, as devices leave them.
+pub fn sums(words: &[u32]) -> [i128; 3] {
+    std::array::from_fn(|c| {
+        let words = &words[4 * c..4 * c + 4];
+        words.iter().rev().fold(0, |sum, word| sum << 32 | u128::from(*word)) as i128
+    })
 }
 
 /// The integer nearest to s·2^64. Where the last bit of s is worth no less, it is the mantissa in its place.

@@ -1,7 +1,7 @@
 //! From tables to kernels: build the generic program once, specialise it, compile what is left.
 //!
 //! The generic program is the same for every scene (Law 1). It is built when it is first needed and shared by all threads.
-//! There are four, so that nobody waits for the entries of a GPU, or of the [`TracerKind::SPECIAL`] tracers, who asks for none.
+//! There are four, so that nobody waits for the entries of a GPU, or of tracers other than the [`TracerKind::COMMON`] ones, who asks for none.
 
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
@@ -19,13 +19,16 @@ use super::error::Error;
 use super::tables::Tables;
 use crate::camera::make_perspective_camera;
 use crate::device::Device;
-use crate::device::cpu::make_cpu_device;
+use crate::device::both::trace_both;
+use crate::device::cpu::{make_cpu_device, trace_light};
 use crate::device::megakernel::make_megakernel_device;
 use crate::device::stream::make_stream_device;
 use crate::device::wavefront::make_wavefront_device;
 use crate::schema::declare_all;
 use crate::tracer::aov::{Aov, make_aov_tracer};
+use crate::tracer::bidirectional::{make_eye_tracer, make_light_side_tracer};
 use crate::tracer::debug::{Show, make_debug_tracer};
+use crate::tracer::light::make_light_tracer;
 use crate::tracer::occlusion::make_occlusion_tracer;
 use crate::tracer::path::make_path_tracer;
 
@@ -41,6 +44,10 @@ pub enum TracerKind {
     Albedo,
     /// Distance from the camera, m.
     Depth,
+    /// Light transport, by paths that start at lights: see [`crate::tracer::light`].
+    Light,
+    /// Light transport, by paths from both sides: see [`crate::tracer::bidirectional`].
+    Bidirectional,
     /// Ambient occlusion: the open share of the sky over a surface.
     Occlusion,
     /// For layers of a file: see [`Aov::Normal`].
@@ -51,11 +58,13 @@ pub enum TracerKind {
 
 impl TracerKind {
     /// All of them.
-    pub const ALL: [TracerKind; 7] = [
+    pub const ALL: [TracerKind; 9] = [
         TracerKind::Path,
         TracerKind::Normals,
         TracerKind::Albedo,
         TracerKind::Depth,
+        TracerKind::Light,
+        TracerKind::Bidirectional,
         TracerKind::Occlusion,
         TracerKind::AovNormal,
         TracerKind::AovPlace,
@@ -64,8 +73,32 @@ impl TracerKind {
     /// Those of [`generic`] and [`gpu_generic`], in the order of the entries.
     pub const COMMON: [TracerKind; 4] = [TracerKind::Path, TracerKind::Normals, TracerKind::Albedo, TracerKind::Depth];
 
-    /// The others, which have generic programs of their own.
-    pub const SPECIAL: [TracerKind; 3] = [TracerKind::Occlusion, TracerKind::AovNormal, TracerKind::AovPlace];
+    /// Those whose light falls on any pixel of the film, not on that of the path alone. They have the device
+    /// [`DeviceKind::CpuScalar`] only.
+    pub const SPLATTING: [TracerKind; 2] = [TracerKind::Light, TracerKind::Bidirectional];
+
+    /// The others.
+    const RARE: [TracerKind; 3] = [TracerKind::Occlusion, TracerKind::AovNormal, TracerKind::AovPlace];
+
+    /// Does its light fall on any pixel?
+    pub fn is_splatting(self) -> bool {
+        TracerKind::SPLATTING.contains(&self)
+    }
+
+    /// The device that runs it where this one is asked for: another one of the CPU if this one cannot.
+    ///
+    /// # Errors
+    /// When no device of that kind can: those of a GPU have no sums that all paths add to.
+    pub fn device(self, asked: DeviceKind) -> Result<DeviceKind, Error> {
+        match (self.is_splatting(), asked.is_gpu()) {
+            (false, _) => Ok(asked),
+            (true, false) => Ok(DeviceKind::CpuScalar),
+            (true, true) => {
+                let name = self.kernel();
+                Err(Error::new(format!("the tracer `{name}` runs on the CPU only: ask for --device cpu")))
+            }
+        }
+    }
 
     /// Name of its kernel on the scalar device.
     pub fn kernel(self) -> &'static str {
@@ -74,6 +107,8 @@ impl TracerKind {
             TracerKind::Normals => "normals",
             TracerKind::Albedo => "albedo",
             TracerKind::Depth => "depth",
+            TracerKind::Light => "light",
+            TracerKind::Bidirectional => "bidirectional",
             TracerKind::Occlusion => "occlusion",
             TracerKind::AovNormal => "aov_normal",
             TracerKind::AovPlace => "aov_place",
@@ -83,18 +118,19 @@ impl TracerKind {
 
 /// Every entry of the CPU's devices over the common tracers, for all scenes.
 pub fn every_entry() -> Program {
-    every_entry_of(&CPU, &TracerKind::COMMON)
+    every_entry_of(&CPU, &TracerKind::COMMON, || ())
 }
 
 /// Every entry of the GPU's devices, likewise.
 pub fn every_gpu_entry() -> Program {
-    every_entry_of(&GPU, &TracerKind::COMMON)
+    every_entry_of(&GPU, &TracerKind::COMMON, || ())
 }
 
 const CPU: [fn() -> Device; 2] = [make_cpu_device, make_stream_device];
 const GPU: [fn() -> Device; 2] = [make_megakernel_device, make_wavefront_device];
 
-fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind]) -> Program {
+/// The entries of these devices over these tracers, and `more`.
+fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind], more: impl FnOnce()) -> Program {
     build(|| {
         declare_all();
         let camera = make_perspective_camera();
@@ -108,10 +144,19 @@ fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind]) -> Program
                 TracerKind::Occlusion => make_occlusion_tracer(camera),
                 TracerKind::AovNormal => make_aov_tracer(camera, Aov::Normal),
                 TracerKind::AovPlace => make_aov_tracer(camera, Aov::Place),
+                TracerKind::Light | TracerKind::Bidirectional => unreachable!("paths of theirs start at lights"),
             };
             devices.iter().for_each(|device| (device.trace)(kind.kernel(), tracer));
         }
+        more();
     })
+}
+
+/// The entries of the CPU over tracers whose paths start at lights.
+fn from_lights() {
+    trace_light(TracerKind::Light.kernel(), make_light_tracer());
+    let eye = make_eye_tracer(make_perspective_camera());
+    trace_both(TracerKind::Bidirectional.kernel(), eye, make_light_side_tracer());
 }
 
 /// The generic program of the CPU's devices.
@@ -128,13 +173,14 @@ pub fn gpu_generic() -> &'static Generic {
 
 /// The generic program of a device that has the entries of a tracer.
 pub fn generic_of(device: DeviceKind, tracer: TracerKind) -> &'static Generic {
-    static CPU_SPECIAL: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry_of(&CPU, &TracerKind::SPECIAL)));
-    static GPU_SPECIAL: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry_of(&GPU, &TracerKind::SPECIAL)));
+    static CPU_RARE: LazyLock<Generic> =
+        LazyLock::new(|| Generic::new(every_entry_of(&CPU, &TracerKind::RARE, from_lights)));
+    static GPU_RARE: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry_of(&GPU, &TracerKind::RARE, || ())));
     match (device.is_gpu(), TracerKind::COMMON.contains(&tracer)) {
         (false, true) => generic(),
         (true, true) => gpu_generic(),
-        (false, false) => &CPU_SPECIAL,
-        (true, false) => &GPU_SPECIAL,
+        (false, false) => &CPU_RARE,
+        (true, false) => &GPU_RARE,
     }
 }
 

@@ -29,6 +29,7 @@ pub mod code_cache;
 pub mod device;
 mod dispatch;
 mod scalar;
+mod splats;
 pub mod gpu;
 pub mod clock;
 pub mod stages;

@@ -9,10 +9,11 @@ use rayon::prelude::*;
 
 use super::device::{DeviceKind, Traversal};
 use super::error::Error;
-use super::film::Film;
+use super::film::{Film, Window};
 use super::generate::{Generated, Keep, Kernels, TracerKind, generate, generic_of};
 use super::gpu::{self, RealMachine, Schedule};
 use super::scalar;
+use super::splats;
 use super::tables::models::check_models;
 use super::tables::{Choices, Known, Pass, Tables, frame};
 use super::wave::Wave;
@@ -183,6 +184,7 @@ impl Renderer {
     /// not of the scene; or there is no GPU, or one too small for the scene, where one is asked for.
     pub fn new(scene: &Scene, options: Options) -> Result<Renderer, Error> {
         check_models(scene, MODELS)?;
+        let options = Options { device: options.tracer.device(options.device)?, ..options };
         let start = Instant::now();
         let traversal = match options.device {
             DeviceKind::Cpu => options.traversal,
@@ -203,7 +205,8 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::new`].
     pub fn showing(&self, tracer: TracerKind) -> Result<Renderer, Error> {
-        let (options, tables) = (Options { tracer, ..self.options }, self.tables.clone());
+        let options = Options { tracer, device: tracer.device(self.options.device)?, ..self.options };
+        let tables = self.tables.clone();
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
         Ok(Renderer { options, tables, device, tables_time: Duration::ZERO, specialize_time, codegen_time })
     }
@@ -275,6 +278,9 @@ impl Renderer {
             let mut device = device.lock().unwrap_or_else(PoisonError::into_inner);
             return device.pass(film, &pass, &frame, handle);
         }
+        if let (Device::CpuScalar(kernel), true) = (&self.device, self.options.tracer.is_splatting()) {
+            return splats::pass(kernel, &self.tables, camera, film, pass, self.options.cut.tile, handle);
+        }
         let tiles = Tiles::new(camera, self.tables.origin, pass, self.options.cut.tile, film, handle);
         (0..rayon::current_num_threads())
             .into_par_iter()
@@ -283,12 +289,18 @@ impl Renderer {
         Ok((tiles.is_complete(), tiles.rays()))
     }
 
-    /// What the device leaves for each sample of a pass: the words of the stream [`crate::schema::Samples`], column by column.
+    /// What the device leaves for each sample of a pass, but for light that falls on other pixels: the words of the stream [`crate::schema::Samples`], column by column.
     ///
     /// # Errors
     /// When a kernel gives up: a fault of Jerboa; or on a GPU, which leaves sums of pixels.
     pub fn samples(&self, camera: &Camera, pass: &Pass) -> Result<Vec<u32>, Error> {
         let mut work = Whole::new(camera, self.tables.origin, pass);
+        if let (Device::CpuScalar(kernel), true) = (&self.device, self.options.tracer.is_splatting()) {
+            let [width, height] = pass.size;
+            let mut all = splats::buffer(Window { x: 0, y: 0, width, height })?;
+            scalar::run(kernel, &self.tables, &mut work, &mut all)?;
+            return Ok(work.words);
+        }
         self.run(&mut work)?;
         Ok(work.words)
     }
@@ -297,7 +309,7 @@ impl Renderer {
     fn run(&self, work: &mut impl Work) -> Result<(), Error> {
         match &self.device {
             Device::Cpu(wave) => wave.run(&self.tables, work),
-            Device::CpuScalar(kernel) => scalar::run(kernel, &self.tables, work),
+            Device::CpuScalar(kernel) => scalar::run(kernel, &self.tables, work, &mut []),
             Device::Gpu(_) => Err(Error::new("a GPU leaves sums of pixels, no samples: ask a device of the CPU")),
         }
     }

@@ -221,3 +221,39 @@ stream! {
         COUNT: U32;
     }
 }
+
+/// Rows of [`LightVertices`]. A path from a light that has as many vertices ends there, though roulette ends all but
+/// one in 4000 before, in a room that absorbs nothing too.
+pub const LIGHT_VERTICES: u32 = 4096;
+
+stream! {
+    /// Vertices of a path from a light, to be connected with, from the first on; see [`crate::device::both`].
+    pub rows LightVertices {
+        /// The record `LightVertex`: where it is; `NONE` behind the last one.
+        PRIMITIVE: U32;
+        /// See [`LightVertices::PRIMITIVE`].
+        T: F32;
+        /// See [`LightVertices::PRIMITIVE`].
+        U: F32;
+        /// See [`LightVertices::PRIMITIVE`].
+        V: F32;
+        /// Where the light comes from.
+        FROM_X: F32;
+        /// See [`LightVertices::FROM_X`].
+        FROM_Y: F32;
+        /// See [`LightVertices::FROM_X`].
+        FROM_Z: F32;
+        /// The light.
+        R: F32;
+        /// Green.
+        G: F32;
+        /// Blue.
+        B: F32;
+        /// Sums of densities.
+        D_NEXT: F32;
+        /// See [`LightVertices::D_NEXT`].
+        D_PAST: F32;
+        /// Number of the vertex.
+        VERTEX: U32;
+    }
+}

@@ -2,14 +2,26 @@
 //!
 //! Each function takes its outcomes as exits; a device connects them. `on_shadow` either traces a shadow ray or does not;
 //! `on_bounce` either goes on or ends the path.
+//!
+//! | tracer | paths start | vertices ask for |
+//! |---|---|---|
+//! | [`path`] | at the camera | a light |
+//! | [`light`] | at a light | the camera |
+//! | [`bidirectional`] | one of each | both, and each other |
+//! | [`occlusion`] | at the camera | the sky, once |
+//! | [`debug`], [`aov`] | at the camera | nothing |
 
 pub mod path;
 pub mod debug;
 pub mod aov;
 pub mod occlusion;
+pub mod adjoint;
+pub mod lens;
+pub mod light;
+pub mod bidirectional;
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Never, Row, U32};
+use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Never, Row, Staged, U32};
 
 use crate::bsdf::frame::Side;
 use crate::camera::CameraFn;
@@ -40,32 +52,45 @@ pub struct RayState {
 }
 impl_staged!(RayState { rng, vertex, throughput, radiance_scale, pdf_dir, is_specular, absorption });
 
-/// (x, y on the film; sample) → first ray.
-pub type OnEmitFn = Fun<(U32, U32, U32), (Ray, RayState)>;
-/// A hit → what the surface itself adds to the path.
-pub type OnHitFn = Fun<(Ray, Hit, RayState, SurfaceElement, Material), Color>;
-/// A miss → what lies behind everything adds to the path.
-pub type OnMissFn = Fun<(Ray, RayState), Color>;
-/// A hit → a shadow ray and what it carries if it is not blocked, or nothing.
-pub type OnShadowFn = Fun<(Ray, Hit, RayState, SurfaceElement, Material, Exit<(Ray, Color)>, Exit<()>), Never>;
-/// A hit → the next ray, or the end of the path.
-pub type OnBounceFn = Fun<(Ray, Hit, RayState, SurfaceElement, Material, Exit<(Ray, RayState)>, Exit<()>), Never>;
-
-/// A renderer.
-#[derive(Clone, Copy)]
-pub struct Tracer {
-    /// Where paths start.
-    pub on_emit: OnEmitFn,
-    /// What a hit surface adds.
-    pub on_hit: OnHitFn,
-    /// What the surroundings add.
-    pub on_miss: OnMissFn,
-    /// Where shadow rays go.
-    pub on_shadow: OnShadowFn,
-    /// How a path goes on.
-    pub on_bounce: OnBounceFn,
+/// What travels along a path: a [`RayState`], and whatever else its tracer keeps.
+pub trait PathState: Staged {
+    /// What every path carries.
+    fn path(self) -> RayState;
 }
-impl_staged!(Tracer { on_emit, on_hit, on_miss, on_shadow, on_bounce });
+
+impl PathState for RayState {
+    fn path(self) -> RayState {
+        self
+    }
+}
+
+/// (x, y on the film; sample) → first ray.
+pub type OnEmitFn<S = RayState> = Fun<(U32, U32, U32), (Ray, S)>;
+/// A hit → what the surface itself adds to the path.
+pub type OnHitFn<S = RayState> = Fun<(Ray, Hit, S, SurfaceElement, Material), Color>;
+/// A miss → what lies behind everything adds to the path.
+pub type OnMissFn<S = RayState> = Fun<(Ray, S), Color>;
+/// A hit → a shadow ray and what it carries if it is not blocked, or nothing.
+pub type OnShadowFn<S = RayState, L = Color> =
+    Fun<(Ray, Hit, S, SurfaceElement, Material, Exit<(Ray, L)>, Exit<()>), Never>;
+/// A hit → the next ray, or the end of the path.
+pub type OnBounceFn<S = RayState> = Fun<(Ray, Hit, S, SurfaceElement, Material, Exit<(Ray, S)>, Exit<()>), Never>;
+
+/// A renderer, of paths that carry `S` and whose shadow rays carry `L`: light for the path's own pixel ([`Color`]), or for
+/// any pixel ([`Splat`](lens::Splat)).
+#[derive(Clone, Copy)]
+pub struct Tracer<S: Staged = RayState, L: Staged = Color> {
+    /// Where paths start.
+    pub on_emit: OnEmitFn<S>,
+    /// What a hit surface adds.
+    pub on_hit: OnHitFn<S>,
+    /// What the surroundings add.
+    pub on_miss: OnMissFn<S>,
+    /// Where shadow rays go.
+    pub on_shadow: OnShadowFn<S, L>,
+    /// How a path goes on.
+    pub on_bounce: OnBounceFn<S>,
+}
 
 /// The camera's ray for a sample of a pixel, and the state of a path that starts with it.
 pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -> (Ray, RayState) {

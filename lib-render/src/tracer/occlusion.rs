@@ -16,7 +16,7 @@ use crate::core::rng::DIM_LIGHT;
 use crate::geometry::offset::spawn_ray;
 use crate::ray::Ray;
 use crate::schema::Settings;
-use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, Tracer, first_ray, side_seen};
+use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer, first_ray, side_seen};
 
 /// A tracer of one shadow ray for each first hit.
 pub fn make_occlusion_tracer(camera: CameraFn) -> Tracer {
@@ -25,8 +25,9 @@ pub fn make_occlusion_tracer(camera: CameraFn) -> Tracer {
         on_hit: OnHitFn::lam(|_, _| black()),
         on_miss: OnMissFn::lam(|_, _| black()),
         on_shadow: OnShadowFn::exits(|b, (ray, _, state, surf, mat, emit, skip)| {
+            let RayState { rng, vertex, .. } = state;
             let side = side_seen(surf, mat, ray);
-            let dir = sample_diffuse(state.rng.vertex(state.vertex, DIM_LIGHT), side);
+            let dir = sample_diffuse(rng.vertex(vertex, DIM_LIGHT), side);
             b.when(!side.reflects(dir), |b| skip.take(b, ()));
             let tmax = Row::<Settings>::at(0u32).get(Settings::OCCLUSION_DISTANCE);
             emit.take(b, (Ray { tmax, ..spawn_ray(surf, dir) }, white()))

@@ -61,21 +61,23 @@ pub fn make_path_tracer(camera: CameraFn) -> Tracer {
     }
 }
 
-fn settings() -> Row<Settings> {
+/// The choices of the render.
+pub(super) fn settings() -> Row<Settings> {
     Row::at(0u32)
 }
 
-fn has_lights() -> Bool {
+/// Is there a light that can be sampled?
+pub(super) fn has_lights() -> Bool {
     settings().get(Settings::HAS_LIGHTS)
 }
 
 /// May the path have one edge more than those that lead to this vertex?
-fn within_depth(state: RayState) -> Bool {
+pub(super) fn within_depth(state: RayState) -> Bool {
     !settings().get(Settings::DEPTH_LIMITED) | state.vertex.lt(settings().get(Settings::MAX_DEPTH))
 }
 
 /// Throughput at a hit: what absorption leaves along the ray.
-fn arriving(b: &mut Block, state: RayState, hit: Hit) -> Color {
+pub(super) fn arriving(b: &mut Block, state: RayState, hit: Hit) -> Color {
     b.if_(
         settings().get(Settings::HAS_VOLUMES),
         |_| state.throughput * state.absorption.map(|sigma| exp(-sigma.absorb(hit.t))),
@@ -85,7 +87,7 @@ fn arriving(b: &mut Block, state: RayState, hit: Hit) -> Color {
 
 /// Absorption along the next ray: a ray that enters meets the volume of this surface, one that leaves meets none, one
 /// that is reflected what it met before.
-fn absorption_along(state: RayState, surf: SurfaceElement, mat: Material, wo: Vec3, wi: Vec3) -> Color {
+pub(super) fn absorption_along(state: RayState, surf: SurfaceElement, mat: Material, wo: Vec3, wi: Vec3) -> Color {
     let crosses = (surf.face_cos(wo) * surf.face_cos(wi)).lt(0.0);
     let beyond = surf.face_cos(wi).lt(0.0).select(mat.absorption, black());
     let has_volumes = settings().get(Settings::HAS_VOLUMES);
@@ -133,7 +135,7 @@ fn direct(b: &mut Block, ray: Ray, hit: Hit, state: RayState, mat: Material, lig
 
 /// Probability of going on: the largest channel of the throughput without the radiance scales of refraction, at most the
 /// cap; 1 before roulette begins, but never above the bound of a long path.
-fn survival(b: &mut Block, scattering: U32, throughput: Color) -> F32 {
+pub(super) fn survival(b: &mut Block, scattering: U32, throughput: Color) -> F32 {
     let roulette = |b: &mut Block| {
         let s = settings();
         let q = throughput.max_channel().min(s.get(Settings::RR_CAP));

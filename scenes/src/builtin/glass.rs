@@ -1,6 +1,6 @@
 //! Glass: solid, thin, tinted, nested, seen from inside, seen along its surface, and of index 1.
 
-use super::shapes::{panel, quad, sky, solid, sphere};
+use super::shapes::{floor, panel, quad, sky, solid, sphere};
 use super::surfaces::{checkerboard, on_checkerboard};
 use crate::{Material, Scene, Volume};
 use glam::{Vec3, vec3};
@@ -17,6 +17,20 @@ pub(super) fn glass() -> Scene {
     scene.place(quad(vec3(0.8, 0.0, 0.4), Vec3::X, Vec3::Y), pane);
     scene.place(panel(vec3(0.0, 3.0, 0.0), 1.0, 1.0), lamp);
     scene.view([0.0, 1.4, 5.0], [0.0, 0.4, 0.0], 0.6, (640, 360));
+    scene
+}
+
+/// A glass ball on a floor under a lamp of 2 x 2 centimetres, seen by the light that the ball gathers: a path from the camera
+/// meets the lamp behind the ball by chance, one in 50,000.
+pub(super) fn caustic() -> Scene {
+    let mut scene = Scene::default();
+    let paint = scene.paint(Material::diffuse("paint", [0.6; 3]));
+    let glass = scene.paint(Material::glass("glass", 1.5));
+    let lamp = scene.paint(Material::emitter("lamp", [20_000.0; 3]));
+    scene.place(floor(Vec3::ZERO, 6.0, 6.0), paint);
+    scene.place(sphere(vec3(0.0, 0.6, 0.0), 0.5, 5), glass);
+    scene.place(panel(vec3(-1.2, 2.5, 0.0), 0.02, 0.02), lamp);
+    scene.view([1.2, 1.6, 3.2], [0.4, 0.2, 0.0], 0.6, (480, 320));
     scene
 }
 

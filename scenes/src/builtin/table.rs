@@ -35,7 +35,7 @@ const CORNELL_BOX: Reference = rendered(0.13575, 1.0e-4, 1024);
 /// A floor of squares under a sky.
 const CHECKERBOARD: Reference = rendered(0.610787, 3.9e-5, 512);
 
-pub(super) static BUILTINS: [Builtin; 45] = [
+pub(super) static BUILTINS: [Builtin; 46] = [
     hard(
         "cornell-box",
         "two boxes in a box with a red and a green wall: the default scene",
@@ -193,6 +193,11 @@ pub(super) static BUILTINS: [Builtin; 45] = [
         textures::mirrored_maps,
     ),
     plain("glass", "a glass ball, block and thin pane over a checkerboard", glass::glass),
+    plain(
+        "caustic",
+        "a glass ball under a small lamp: light that paths from the camera find by chance",
+        glass::caustic,
+    ),
     hard(
         "glass-trap",
         "the camera inside a glass cube that traps light for ever",

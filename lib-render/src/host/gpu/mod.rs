@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 
 use super::device::DeviceKind;
 use super::error::Error;
-use super::film::Film;
+use super::film::{Film, sums};
 use super::renderer::Handle;
 use super::tables::Pass;
 use crate::schema::{Pixels, binding};
@@ -198,14 +198,10 @@ fn without_feature() -> Error {
 
 /// Add a row of [`Pixels`] to the film.
 fn add(film: &mut Film, pass: &Pass, pixel: u32, row: &[u32; 16], rays: &mut [u64; 2]) {
-    let sum = std::array::from_fn(|c| {
-        let words = &row[4 * c..4 * c + 4];
-        words.iter().rev().fold(0, |sum, word| sum << 32 | u128::from(*word)) as i128
-    });
     let at = |column: jerboa_ir::lang::Col<Pixels, jerboa_ir::lang::U32>| row[column.0 as usize];
     let window = pass.window;
     let place = [window.x + pixel % window.width, window.y + pixel / window.width];
-    film.add_sum(place, sum, at(Pixels::COUNT), at(Pixels::DROPPED));
+    film.add_sum(place, sums(row), at(Pixels::COUNT), at(Pixels::DROPPED));
     rays[0] += u64::from(at(Pixels::CLOSEST));
     rays[1] += u64::from(at(Pixels::SHADOW));
 }
