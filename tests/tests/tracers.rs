@@ -169,12 +169,13 @@ fn they_agree_on_every_light() {
     ] {
         assert_eq!(disagreements(name, &scene, &LIGHT_SIDES, 8, None), [""; 0]);
     }
-    let mut sky_only = dark(|_| ());
-    sky_only.environment = Some(sky());
     // The camera sees floor and ball alone.
+    let down = || vec![Camera::look_at("down", DVec3::new(0.4, 2.5, 1.2), DVec3::new(0.0, 0.2, 0.0), 0.5)];
+    let mut sky_only = dark(|_| ());
+    (sky_only.environment, sky_only.cameras) = (Some(sky()), down());
     assert_eq!(disagreements("sky", &sky_only, &LIGHT_SIDES, 16, None), [""; 0]);
     let mut all = under_lamp(smooth_ball(1), Material::plastic("ball", [0.3, 0.7, 0.8], 0.6));
-    all.environment = Some(sky());
+    (all.environment, all.cameras) = (Some(sky()), down());
     all.lights = vec![light(LightKind::Point, 4.0, 2.5), light(LightKind::Directional, 1.0, 2.5)];
     assert_eq!(disagreements("all lights", &all, &LIGHT_SIDES, 16, None), [""; 0]);
 }

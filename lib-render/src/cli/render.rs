@@ -6,12 +6,14 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::args::RenderArgs;
+use super::args::{DeviceArg, RenderArgs};
 use super::in_pool;
 use super::scene::{camera, choices, film_size, load, set_environment};
 use crate::host::aov::channels;
+use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
+use crate::host::generate::TracerKind;
 use crate::host::image_io::Image;
 use crate::host::renderer::{Handle, Options, Render, Renderer, Stats};
 
@@ -41,7 +43,7 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
         known: args.known.into(),
         tracer: args.shown.tracer.into(),
         choices: choices(args),
-        device: args.device.into(),
+        device: device(args),
         traversal: args.traversal.into(),
         ..Options::default()
     };
@@ -60,6 +62,12 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
     }
     let report = Report { args, size, load_time, renderer: &renderer, stats, dropped: film.dropped() };
     Ok(if args.json { report.json() } else { report.text() })
+}
+
+/// The device that is asked for; where any will do, one that has the tracer.
+fn device(args: &RenderArgs) -> DeviceKind {
+    let is_any = args.device == DeviceArg::Auto;
+    if is_any && TracerKind::from(args.shown.tracer).is_splatting() { DeviceKind::Cpu } else { args.device.into() }
 }
 
 /// The pixels that are asked for.

@@ -97,6 +97,28 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "power_heuristic(by_bsdf, light.pdf_dir)",
         mistake: "the two densities of a light sample's weight are exchanged",
     },
+    // ---- light that comes from the lights
+    Mutation {
+        name: "light-scatters-about-the-shading-normal",
+        file: "lib-render/src/tracer/adjoint.rs",
+        before: "mat.normal.dot(w).abs() / face",
+        after: "F32::from(1.0)",
+        mistake: "light from the lights lacks the factor of shading normals (Veach 1997, 5.3)",
+    },
+    Mutation {
+        name: "light-scaled-like-radiance",
+        file: "lib-render/src/tracer/adjoint.rs",
+        before: "sample.weight / sample.radiance_scale",
+        after: "sample.weight",
+        mistake: "refracted flux is scaled by the squared ratio of indices, as radiance is (Veach 1997, 5.2)",
+    },
+    Mutation {
+        name: "ways-without-the-step-back",
+        file: "lib-render/src/tracer/bidirectional.rs",
+        before: "density * (self.next + self.past * back)",
+        after: "density * (self.next + self.past)",
+        mistake: "weights forget the density of the step backwards: they sum to something else than 1",
+    },
     // ---- rays
     Mutation {
         name: "ties-go-to-the-first-visited",
