@@ -93,7 +93,7 @@ pub(super) fn follow<S: PathState, L: Staged>(
     traverse: TraverseFn,
     at: (U32, U32, U32),
     light: impl Fn(&mut Block, Vertex<S>) -> (Color, U32),
-) -> (Color, U32, U32) {
+) -> Brought {
     let (ray, state) = tracer.on_emit.call(b, at);
     let start = (ray, state, black(), U32::from(0), U32::from(0));
     b.loop_(start, |b, path: Path<S>, next, done| {
@@ -119,6 +119,9 @@ pub(super) fn follow<S: PathState, L: Staged>(
 /// What the loop over a path's vertices carries: ray, state, radiance, and numbers of rays, closest hit and shadow.
 type Path<S> = (Ray, S, Color, U32, U32);
 
+/// What a path brings home: its radiance, and its numbers of rays, closest hit and shadow.
+type Brought = (Color, U32, U32);
+
 /// A vertex of a path, as functions of a tracer are given it.
 #[derive(Clone, Copy)]
 pub(super) struct Vertex<S> {
@@ -142,7 +145,7 @@ fn shade<S: PathState, L: Staged>(
     hit: Hit,
     (ray, state, sum, closest, shadow): Path<S>,
     light: &impl Fn(&mut Block, Vertex<S>) -> (Color, U32),
-    (next, done): (Exit<Path<S>>, Exit<(Color, U32, U32)>),
+    (next, done): (Exit<Path<S>>, Exit<Brought>),
 ) -> Left {
     let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
     let surf = geometry.surface_element.call(b, (ray, hit));

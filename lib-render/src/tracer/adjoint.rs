@@ -13,14 +13,14 @@
 use jerboa_ir::lang::{Block, F32};
 
 use crate::bsdf::BsdfSample;
-use crate::core::color::{Color, black};
+use crate::core::color::{Color, black, gray};
 use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
 use crate::material::Material;
 
 /// f̃, per steradian: for light that arrives from one direction and leaves towards another (unit, away from the surface).
 pub fn scattered(b: &mut Block, surf: SurfaceElement, mat: Material, from: Vec3, to: Vec3) -> Color {
-    mat.bsdf.eval.call(b, (from, to)).absorb(gray_of(shading_over_face(surf, mat, from)))
+    mat.bsdf.eval.call(b, (from, to)).absorb(gray(shading_over_face(surf, mat, from)))
 }
 
 /// What the light of a path is multiplied by that arrives from `from` and goes on as a sample of the BSDF that was drawn for
@@ -33,7 +33,7 @@ pub fn carried(b: &mut Block, surf: SurfaceElement, mat: Material, from: Vec3, s
             // The weight is f(to, from) |cos(to, n)| / pdf, with the scale of radiance for the way back.
             let (arriving, leaving) = (shading_over_face(surf, mat, from), shading_over_face(surf, mat, to));
             let weight = sample.weight / sample.radiance_scale;
-            weight.absorb(gray_of(leaving.gt(0.0).select(arriving / leaving, 0.0.into())))
+            weight.absorb(gray(leaving.gt(0.0).select(arriving / leaving, 0.0.into())))
         },
         |b| {
             let is_drawn = sample.pdf_dir.gt(0.0) & !sample.weight.is_black();
@@ -47,8 +47,4 @@ pub fn carried(b: &mut Block, surf: SurfaceElement, mat: Material, from: Vec3, s
 fn shading_over_face(surf: SurfaceElement, mat: Material, w: Vec3) -> F32 {
     let face = surf.face_cos(w).abs();
     face.gt(0.0).select(mat.normal.dot(w).abs() / face, 0.0.into())
-}
-
-fn gray_of(x: F32) -> Color {
-    crate::core::color::gray(x)
 }

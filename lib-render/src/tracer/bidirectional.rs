@@ -21,9 +21,10 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
 
+use crate::bsdf::BsdfSample;
 use crate::camera::CameraFn;
 use crate::core::color::{Color, black};
-use crate::core::rng::{DIM_BSDF, DIM_LIGHT, Rng};
+use crate::core::rng::{DIM_BSDF, DIM_LIGHT, DIM_ROULETTE, Rng};
 use crate::core::sampling::{UNIFORM_SPHERE_PDF, cosine_hemisphere_pdf, uniform_cone_pdf};
 use crate::core::vec::{Vec3, vec3};
 use crate::geometry::SurfaceElement;
@@ -79,10 +80,9 @@ impl Walk {
         self,
         b: &mut Block,
         sums: Sums,
-        surf: SurfaceElement,
-        mat: Material,
+        (surf, mat): (SurfaceElement, Material),
         wo: Vec3,
-        sample: crate::bsdf::BsdfSample,
+        sample: BsdfSample,
         path: RayState,
     ) -> Walk {
         let cos = surf.face_cos(sample.wi).abs();
@@ -111,7 +111,7 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
     Tracer {
         on_emit: Fun::lam(move |b, (x, y, sample): (U32, U32, U32)| {
             let (ray, path) = first_ray(b, camera, x, y, sample);
-            let d_next = 1.0 / Lens::new().density(ray.dir);
+            let d_next = 1.0 / Lens::of_frame().density(ray.dir);
             (ray, Walk { path, d_next, d_past: 0.0.into(), is_parallel: false.into() })
         }),
         on_hit: OnHitFn::lam(|b, (ray, hit, walk, surf, mat)| emitted(b, ray, hit, walk, surf, mat)),
@@ -133,7 +133,7 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
             b.when(throughput.is_black(), |b| end.take(b, ()));
             let radiance_scale = path.radiance_scale * sample.radiance_scale;
             let survival = survival(b, path.vertex, throughput / radiance_scale);
-            let (u, _) = path.rng.vertex(path.vertex, crate::core::rng::DIM_ROULETTE).next();
+            let (u, _) = path.rng.vertex(path.vertex, DIM_ROULETTE).next();
             b.when(u.ge(survival), |b| end.take(b, ()));
             let path = RayState {
                 vertex: path.vertex + 1u32,
@@ -145,7 +145,7 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
                 ..path
             };
             let sums = walk.reaching(ray, hit, surf);
-            let walk = walk.leaving(b, sums, surf, mat, -ray.dir, sample, path);
+            let walk = walk.leaving(b, sums, (surf, mat), -ray.dir, sample, path);
             next.take(b, (spawn_ray(surf, sample.wi), walk))
         }),
     }
@@ -163,7 +163,7 @@ pub fn make_light_side_tracer() -> Tracer<Walk, Splat> {
         on_shadow: OnShadowFn::exits(|b, (ray, hit, walk, surf, mat, emit, skip)| {
             let Walk { path, .. } = walk;
             b.when(!within_depth(path) | mat.is_unlit | mat.bsdf.is_specular, |b| skip.take(b, ()));
-            let lens = Lens::new();
+            let lens = Lens::of_frame();
             let seen = lens.seen_from(surf.point);
             b.when(!seen.is_seen, |b| skip.take(b, ()));
             let (from, to) = (-ray.dir, seen.wi);
@@ -184,7 +184,7 @@ pub fn make_light_side_tracer() -> Tracer<Walk, Splat> {
             let path = go_on(b, (ray, hit, path), surf, mat, sample.wi, factor);
             b.when(path.throughput.is_black(), |b| end.take(b, ()));
             let sums = walk.reaching(ray, hit, surf);
-            let walk = walk.leaving(b, sums, surf, mat, from, sample, path);
+            let walk = walk.leaving(b, sums, (surf, mat), from, sample, path);
             next.take(b, (spawn_ray(surf, sample.wi), walk))
         }),
     }

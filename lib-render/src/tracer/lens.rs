@@ -11,7 +11,7 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Bool, F32, Row, U32};
 
-use crate::core::color::Color;
+use crate::core::color::{Color, white};
 use crate::core::vec::{Vec3, vec3};
 use crate::light::DirectLightSample;
 use crate::schema::{Frame, NONE};
@@ -52,7 +52,7 @@ pub struct Seen {
 
 impl Lens {
     /// The camera of the frame.
-    pub fn new() -> Lens {
+    pub fn of_frame() -> Lens {
         let frame = Row::<Frame>::at(0u32);
         let read = |x, y, z| vec3(frame.get(x), frame.get(y), frame.get(z));
         Lens {
@@ -93,7 +93,7 @@ impl Lens {
             wi: seen.wi,
             pos: self.eye,
             distance: seen.distance,
-            intensity: crate::core::color::white(),
+            intensity: white(),
             pdf_dir: 1.0.into(),
             is_delta: true.into(),
             primitive: NONE.into(),

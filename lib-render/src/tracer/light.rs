@@ -14,7 +14,7 @@ use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 
 use crate::core::color::{Color, black};
 use crate::core::rng::{DIM_BSDF, DIM_ROULETTE, Rng};
-use crate::core::vec::vec3;
+use crate::core::vec::{Vec3, vec3};
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
 use crate::light::{EmissionSample, choose_light, with_light};
@@ -41,7 +41,7 @@ pub fn make_light_tracer() -> Tracer<RayState, Splat> {
         on_miss: OnMissFn::lam(|_, _| black()),
         on_shadow: OnShadowFn::exits(|b, (ray, hit, state, surf, mat, emit, skip)| {
             b.when(!within_depth(state) | mat.is_unlit | mat.bsdf.is_specular, |b| skip.take(b, ()));
-            let lens = Lens::new();
+            let lens = Lens::of_frame();
             let seen = lens.seen_from(surf.point);
             b.when(!seen.is_seen, |b| skip.take(b, ()));
             let f = scattered(b, surf, mat, -ray.dir, seen.wi);
@@ -117,7 +117,7 @@ pub(super) fn go_on(
     (ray, hit, state): (Ray, Hit, RayState),
     surf: SurfaceElement,
     mat: Material,
-    wi: crate::core::vec::Vec3,
+    wi: Vec3,
     factor: Color,
 ) -> RayState {
     let throughput = arriving(b, state, hit).absorb(factor);
