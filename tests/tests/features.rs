@@ -38,7 +38,7 @@ const FEATURES: &[Feature] = &[
     Feature { name: "transmission", used: |s| any(s, transmits), words: &["Materials.TRANSMISSION"] },
     Feature {
         name: "dielectric layers",
-        used: |s| any(s, |m| m.specular > 0.0 || transmits(m)),
+        used: |s| any(s, |m| m.specular > 0.0 || transmits(m) || m.model.is_some()),
         words: &["Materials.IOR"],
     },
     Feature { name: "volumes", used: |s| any(s, |m| m.volume.is_some()), words: &["Materials.ABSORPTION_R"] },

@@ -1,38 +1,40 @@
-//! A smooth interface between dielectrics: glass, water.
+//! An interface between dielectrics, rough or smooth: glass, water. And how it bends light.
 //!
-//! - Parameters: index `ior` of the inside (where the normal does not point) relative to the outside; factors `kr` on
-//!   reflected and `kt` on refracted light.
-//! - Specular: f and pdf are 0. Reflects with the exact Fresnel probability, else refracts by Snell's law; total internal
-//!   reflection always reflects. The weight of a refraction contains (eta_i/eta_t)², as radiance does.
+//! - Parameters: glTF's index `ior` of the inside (where the normal does not point) relative to the outside; roughness, whose
+//!   square is GGX's width α, below 1e-3 a smooth interface; the base colour tints refracted light.
+//! - Reflects with the exact Fresnel factor, else refracts by Snell's law; total internal reflection always reflects. What is
+//!   refracted contains (eta_i/eta_t)², as radiance does. f, pdf, frame and sampling: see [`gltf`](crate::bsdf::gltf).
 //! - With consistent normals, a direction on the wrong side of the surface has weight 0.
 //! - Source: Walter, Marschner, Li, Torrance 2007, section 5.2; Veach 1997, section 5.2 for the scale of radiance.
 
 use jerboa_ir::lang::F32;
 
-use crate::bsdf::frame::{Side, reflect};
-use crate::bsdf::{Bsdf, BsdfSample, SampleFn};
-use crate::core::color::{Color, black};
-use crate::core::fresnel::{fresnel_dielectric, refracted_cos};
+use crate::bsdf::BsdfSample;
+use crate::bsdf::frame::Side;
+use crate::bsdf::gltf::{GltfValues, make_gltf_bsdf};
+use crate::bsdf::models::Model;
+use crate::core::color::{Color, black, white};
+use crate::core::fresnel::refracted_cos;
 use crate::core::vec::Vec3;
-use crate::geometry::SurfaceElement;
+use crate::material::gltf_values;
 
-/// A smooth dielectric.
-pub fn make_dielectric_bsdf(surf: SurfaceElement, ior: F32, kr: Color, kt: Color) -> Bsdf {
-    Bsdf::specular(SampleFn::lam(|b, (rng, wo)| {
-        let side = Side::new(surf, wo);
-        let normal = side.bent_normal(wo);
-        let eta = side.eta(ior);
-        let (u, _) = rng.next();
-        b.if_(
-            u.lt(fresnel_dielectric(normal.dot(wo), eta)),
-            |_| {
-                let wi = reflect(wo, normal);
-                BsdfSample::specular(wi, side.reflects(wi).select(kr, black()))
-            },
-            |_| refraction(side, refract(wo, normal, eta), eta, kt),
-        )
-    }))
-}
+/// `dielectric`: glTF's transmission under the whole of its layer, hence its code. The base colour tints what is refracted.
+pub const MODEL: Model = Model {
+    name: "dielectric",
+    parameters: &[],
+    has_parts: false,
+    make: |b, site| {
+        let values = GltfValues {
+            has_specular: true.into(),
+            has_transmission: true.into(),
+            specular: 1.0.into(),
+            specular_color: white(),
+            transmission: 1.0.into(),
+            ..gltf_values(b, site.row, site.base, site.surf.uv)
+        };
+        make_gltf_bsdf(site.surf, values)
+    },
+};
 
 /// The sample of a smooth refraction whose weight is `weight`, but for the scale of radiance.
 pub fn refraction(side: Side, wi: Vec3, eta: F32, weight: Color) -> BsdfSample {

@@ -10,7 +10,11 @@ pub mod rough;
 pub mod gltf;
 pub mod layer;
 pub mod coat;
+pub mod gloss;
 pub mod conductor;
+pub mod rough_diffuse;
+pub mod plastic;
+pub mod thin_glass;
 pub mod models;
 
 use jerboa_ir::impl_staged;

@@ -3,15 +3,17 @@
 //! A model is a name, the numbers it takes beside glTF's, and a constructor. All of them are in the generic program; a
 //! kernel that knows a material's model keeps that one alone, and a model that no material of the scene has leaves no code
 //! even where the material is unknown ([`Models::USED`]).
+//!
+//! Source: the shader's choice of a BSDF is the paper's, section 4.5.
 
-use jerboa_ir::lang::{Block, Bool, F32, Row};
+use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row};
 
 use crate::bsdf::gltf::make_gltf_bsdf;
-use crate::bsdf::{Bsdf, phong};
+use crate::bsdf::{Bsdf, conductor, dielectric, mirror, mix, phong, plastic, rough_diffuse, thin_glass};
 use crate::core::color::{Color, color};
 use crate::geometry::SurfaceElement;
 use crate::lobes::make_layers;
-use crate::material::{gltf_values, is_smooth};
+use crate::material::{base_color, gltf_values, is_smooth};
 use crate::schema::{Materials, Models, Parameters};
 use crate::texture::look_up;
 
@@ -54,7 +56,17 @@ const GLTF: Model = Model {
 };
 
 /// The library's models, by number: [`Materials::MODEL`].
-pub const MODELS: &[Model] = &[GLTF, phong::MODEL];
+pub const MODELS: &[Model] = &[
+    GLTF,
+    phong::MODEL,
+    rough_diffuse::MODEL,
+    conductor::MODEL,
+    dielectric::MODEL,
+    plastic::MODEL,
+    thin_glass::MODEL,
+    mirror::MODEL,
+    mix::MODEL,
+];
 
 /// A point of a surface, and the material there: what a constructor is given.
 #[derive(Clone, Copy)]
@@ -69,7 +81,12 @@ pub struct Site {
     pub base: Color,
     /// Is the constructor's model the one that the material has? Elsewhere nothing need be looked up.
     pub is_chosen: Bool,
+    /// Models without parts.
+    alone: Option<AloneFn>,
 }
+
+/// (material, base colour) → its BSDF, if its model has no parts.
+type AloneFn = Fun<(Row<Materials>, Color), Bsdf>;
 
 impl Site {
     /// The material's number of this place among those that its model takes.
@@ -82,16 +99,32 @@ impl Site {
         color(self.number(first), self.number(first + 1), self.number(first + 2))
     }
 
-    /// GGX's α by the material's roughness and its texture, and whether that counts as perfectly smooth.
-    pub fn alpha(self, b: &mut Block) -> (F32, Bool) {
+    /// The material's roughness, by its texture too.
+    pub fn roughness(self, b: &mut Block) -> F32 {
         let factor = self.row.get(Materials::ROUGHNESS);
-        let roughness = b.if_(
+        b.if_(
             self.is_chosen & self.row.get(Materials::METALLIC_ROUGHNESS_TEXTURED),
             |b| factor * look_up(b, self.row.get(Materials::METALLIC_ROUGHNESS_TEXTURE), self.surf.uv).color.g,
             |_| factor,
-        );
+        )
+    }
+
+    /// GGX's α, the square of roughness, and whether it counts as perfectly smooth.
+    pub fn alpha(self, b: &mut Block) -> (F32, Bool) {
+        let roughness = self.roughness(b);
         let alpha = roughness * roughness;
         (alpha, is_smooth(self.row.get(Materials::SMOOTH), alpha))
+    }
+
+    /// The BSDF of a material that this one is made of, [`Materials::FIRST`] or [`Materials::SECOND`].
+    ///
+    /// # Panics
+    /// When the model says that it has no parts.
+    pub fn part(self, b: &mut Block, which: Col<Materials, Row<Materials>>) -> Bsdf {
+        let alone = self.alone.expect("a model that asks for parts has `has_parts`");
+        let row = self.row.get(which);
+        let base = base_color(b, row, self.surf.uv);
+        alone.call(b, (row, base))
     }
 }
 
@@ -107,13 +140,19 @@ pub fn make_bsdf(
     (plain, surf): (SurfaceElement, SurfaceElement),
     base: Color,
 ) -> Bsdf {
-    let all = MODELS.iter().zip(0u32..).map(|(model, number)| {
-        let is_used = Row::<Models>::at(number).get(Models::USED);
-        let is_chosen = is_used & row.get(Materials::MODEL).eq(number);
-        (is_chosen, (model.make)(b, Site { row, surf, plain, base, is_chosen }))
+    let all = || MODELS.iter().zip(0u32..);
+    let make = |b: &mut Block, (model, number): (&Model, u32), site: Site| {
+        let is_chosen = Row::<Models>::at(number).get(Models::USED) & site.row.get(Materials::MODEL).eq(number);
+        (is_chosen, (model.make)(b, Site { is_chosen, ..site }))
+    };
+    let site = |row, base, alone| Site { row, surf, plain, base, is_chosen: true.into(), alone };
+    let choose = |other: Bsdf, (is_chosen, bsdf): (Bool, Bsdf)| Bsdf::choose(is_chosen, bsdf, other);
+    // A function of the row, so that parts of others are made by the same code. glTF's is what no other is.
+    let alone = AloneFn::lam(|b, (row, base)| {
+        let site = site(row, base, None);
+        let (_, gltf) = make(b, (&GLTF, 0), site);
+        all().skip(1).filter(|(m, _)| !m.has_parts).map(|model| make(b, model, site)).fold(gltf, choose)
     });
-    let mut all: Vec<(Bool, Bsdf)> = all.collect();
-    // The first stands for what no other row is.
-    let (_, first) = all.remove(0);
-    all.into_iter().fold(first, |other, (is_chosen, bsdf)| Bsdf::choose(is_chosen, bsdf, other))
+    let own = alone.call(b, (row, base));
+    all().filter(|(m, _)| m.has_parts).map(|model| make(b, model, site(row, base, Some(alone)))).fold(own, choose)
 }

@@ -34,6 +34,8 @@ pub const DIM_HOLES: u32 = 9;
 
 /// First of the dimensions, within a vertex, in which layers are chosen, one for each layer that a surface may have.
 pub const DIM_LAYERS: u32 = 10;
+/// Dimension, within a vertex, of the choice between the two materials of a blend.
+pub const DIM_BLEND: u32 = 15;
 
 /// 2^32 / golden ratio, rounded to odd (Knuth 1998, section 6.4): its multiples differ in many bits.
 const GOLDEN: u32 = 0x9e37_79b9;

@@ -51,6 +51,10 @@ table! {
         MODEL: U32, structure;
         /// The first of the numbers that the model takes.
         NUMBERS: ref Parameters, structure;
+        /// The first of the materials that the model is made of, if it is.
+        FIRST: ref Materials, structure;
+        /// The second.
+        SECOND: ref Materials, structure;
         /// Is there a clear coat?
         HAS_COAT: Bool, structure;
         /// `SMOOTH_*` of the coat.

@@ -1,6 +1,6 @@
 //! What surfaces can do: materials, a procedural texture.
 
-use super::shapes::{floor, panel, sky, sphere};
+use super::shapes::{floor, panel, quad, sky, sphere};
 use crate::{Filter, Material, Model, Scene, Texture, TextureRef, TextureSource, UvTransform, Wrap};
 use glam::{Vec3, vec3};
 
@@ -37,6 +37,40 @@ pub(super) fn phong() -> Scene {
     let lamp = scene.paint(Material::emitter("lamp", [30.0; 3]));
     scene.place(panel(vec3(0.0, 3.0, 1.0), 0.5, 0.5), lamp);
     scene.view([0.0, 1.5, 6.0], [0.0, 0.4, 0.0], 0.55, (640, 320));
+    scene
+}
+
+/// A row of balls, one for each model of scattering that is not glTF's; a board that is gold and plastic by squares, and a
+/// window before a part of them.
+pub(super) fn models() -> Scene {
+    let mut scene = on_checkerboard();
+    let of = |name: &str, roughness, rgb: [f32; 3]| {
+        let model = Some(Model::named(name));
+        Material { model, roughness, ..Material::diffuse(name, rgb) }
+    };
+    let silver = Model::named("conductor").with("eta", &[0.16, 0.14, 0.13]).with("k", &[4.1, 3.2, 2.4]);
+    let row = [
+        of("rough-diffuse", 0.8, [0.8, 0.6, 0.4]),
+        of("conductor", 0.3, [1.0; 3]),
+        Material { model: Some(silver), ..of("silver", 0.0, [1.0; 3]) },
+        of("dielectric", 0.3, [0.9, 1.0, 0.9]),
+        of("plastic", 0.0, [0.7, 0.1, 0.1]),
+        of("plastic", 0.4, [0.1, 0.1, 0.7]),
+        of("mirror", 0.0, [0.8, 0.9, 0.8]),
+    ];
+    let painted: Vec<usize> = row.into_iter().map(|material| scene.paint(material)).collect();
+    let squares = UvTransform { offset: [0.0; 2], rotation: 0.0, scale: [4.0; 2] };
+    let mask = Some(TextureRef { texture: 0, uv_set: 0, transform: Some(squares) });
+    let blend = Model::named("blend").with("share", &[1.0]).of([painted[1], painted[5]]);
+    let blend = Material { model: Some(blend), base_color_texture: mask, ..Material::diffuse("blend", [1.0; 3]) };
+    let board = scene.paint(blend);
+    for (i, material) in painted.into_iter().enumerate() {
+        scene.place(sphere(vec3(i as f32 * 1.1 - 3.85, 0.5, 0.0), 0.5, 5), material);
+    }
+    scene.place(quad(vec3(3.4, 0.0, 0.0), Vec3::X, Vec3::Y), board);
+    let window = scene.paint(of("thin-glass", 0.0, [0.8, 1.0, 0.9]));
+    scene.place(quad(vec3(-2.2, 0.0, 1.0), Vec3::X * 2.2, Vec3::Y * 0.8), window);
+    scene.view([0.0, 2.0, 9.0], [0.0, 0.4, 0.0], 0.55, (960, 320));
     scene
 }
 

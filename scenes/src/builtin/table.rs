@@ -142,6 +142,7 @@ pub(super) static BUILTINS: [Builtin; 46] = [
         rooms::facing_mirrors,
     ),
     plain("material-balls", "diffuse, plastic, metal, mirror and glass balls in a row", surfaces::material_balls),
+    plain("models", "a ball for each model that is not glTF's, and a window", surfaces::models),
     hard(
         "phong",
         "Phong balls, from dull to a highlight a tenth of a degree wide",

@@ -91,6 +91,15 @@ impl Bench {
         self.memory[at] = Memory { rows: rows as u32, words: vec![0; rows * columns] };
     }
 
+    /// Give a table so many rows of zeros more.
+    pub fn add_rows<B: Buf>(&mut self, rows: usize) {
+        let at = self.buffer::<B>();
+        let columns = self.generic.program().buffers[at].columns.len();
+        assert!(self.generic.program().buffers[at].layout == jerboa_ir::Layout::Rows, "tables lie row by row");
+        self.memory[at].rows += rows as u32;
+        self.memory[at].words.extend(std::iter::repeat_n(0, rows * columns));
+    }
+
     /// Set a word of a buffer.
     pub fn set<B: Buf, T>(&mut self, column: Col<B, T>, row: usize, word: impl Word) {
         let at = self.buffer::<B>();

@@ -219,6 +219,25 @@ impl Probe {
             .number(Materials::COAT_ROUGHNESS, roughness)
     }
 
+    /// A blend: so much of white metal of this roughness, the rest Lambert's surface, coloured.
+    pub fn blend(&mut self, share: f32, roughness: f32) -> &mut Probe {
+        self.model("blend", &[share]);
+        let words = [(Materials::HAS_DIFFUSE, 1), (Materials::HAS_METAL, 2)];
+        self.bench.add_rows::<Materials>(2);
+        words.into_iter().for_each(|(flag, row)| self.bench.set(flag, row, true));
+        let colours = [(Materials::BASE_R, 0.8f32), (Materials::BASE_G, 0.5), (Materials::BASE_B, 0.2)];
+        for (column, albedo) in colours {
+            self.bench.set(column, 1, albedo);
+            self.bench.set(column, 2, 1.0f32);
+        }
+        self.bench.set(Materials::METALLIC, 2, 1.0f32);
+        self.bench.set(Materials::ROUGHNESS, 2, roughness);
+        self.bench.set(Materials::SMOOTH, 2, if roughness == 0.0 { SMOOTH_ALWAYS } else { SMOOTH_NEVER });
+        self.bench.set(Materials::FIRST, 0, 1u32);
+        self.bench.set(Materials::SECOND, 0, 2u32);
+        self
+    }
+
     /// f, pdf, is the whole specular?
     pub fn eval(&mut self, wi: V, wo: V) -> (V, f32, bool) {
         let args = [self.face, self.normal, wi, wo].concat();

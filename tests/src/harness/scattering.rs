@@ -75,6 +75,13 @@ pub fn rows() -> Vec<Row> {
     rows.extend([0.0, 0.05, 1.0].map(coated_mirror));
     rows.extend([0.0, 0.05].map(coated_medley));
     rows.extend([1.0, 10.0, 100.0, 1e3, 1e4, 1e6, 2e6].map(phong));
+    rows.extend([0.0, 0.3, 1.0].map(rough_diffuse));
+    rows.extend([0.0, 0.05, 0.5].map(conductor));
+    rows.extend([0.0, 0.25].map(dielectric));
+    rows.extend([0.0, 0.05, 0.5].map(varnished));
+    rows.extend([1.5, 2.5].map(thin_glass));
+    rows.push(Row::new("mirror", |p| p.model("mirror", &[]).coloured()).returns(|_| 0.5));
+    rows.extend([(0.3, 0.0), (0.3, 0.25), (1.0, 0.5)].map(blend));
     rows
 }
 
@@ -161,6 +168,104 @@ fn phong(ns: f64) -> Row {
     // As a mirror, where the model takes it for one.
     let lobe = move |cos: f64| if ns > 1e6 { 1.0 } else { phong_lobe(ns, cos.abs()) };
     row.returns(move |cos| share * lobe(cos) + (1.0 - share) * 0.5)
+}
+
+/// E of the facets' single scattering and what its loss is scattered to again, both by quadrature of f (EON; ρ = 1/2).
+fn rough_diffuse(r: f64) -> Row {
+    let row =
+        Row::new(format!("rough diffuse {r}"), move |p| p.model("rough-diffuse", &[]).coloured().roughness(r as f32));
+    let a = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * r);
+    let single = move |mu: f64| {
+        let sin = (1.0 - mu * mu).sqrt();
+        // Half a turn; s changes sign at a right angle, t where the cosines are equal.
+        let part = |lo: f64, hi: f64, from: f64, to: f64| {
+            gauss::<48>(lo, hi, |c| {
+                let of = |phi: f64| {
+                    let s = sin * (1.0 - c * c).sqrt() * phi.cos();
+                    1.0 + r * if s > 0.0 { s / mu.max(c) } else { s }
+                };
+                a * 2.0 * c / PI * gauss::<16>(from, to, of)
+            })
+        };
+        let (right, half) = (PI / 2.0, PI);
+        part(0.0, mu, 0.0, right) + part(mu, 1.0, 0.0, right) + part(0.0, mu, right, half) + part(mu, 1.0, right, half)
+    };
+    let average = gauss::<32>(0.0, 1.0, |c| single(c) * 2.0 * c);
+    let rho = 0.5;
+    let again = rho * rho * average / (1.0 - rho * (1.0 - average));
+    row.returns(move |cos| rho * single(cos.abs()) + again * (1.0 - single(cos.abs())))
+}
+
+/// Gold in green light, tinted by one half.
+fn conductor(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let numbers = [0.155, 0.424, 1.382, 3.6, 2.472, 1.915];
+    let row = Row::new(format!("conductor {alpha:.3}"), move |p| {
+        p.model("conductor", &numbers).coloured().roughness(roughness)
+    });
+    let f = |c: f64| 0.5 * fresnel_metal(c, 0.424, 2.472);
+    row.returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, f)[0])
+}
+
+/// As glass, by its own name.
+fn dielectric(alpha: f64) -> Row {
+    let row = glass(alpha);
+    let (roughness, alpha) = widths(alpha);
+    let make = move |p: &mut Probe| _ = p.model("dielectric", &[]).roughness(roughness);
+    Row { name: format!("dielectric {alpha:.3}"), make: Box::new(make), ..row }
+}
+
+/// The varnish, and what passes it, is thrown to and fro, and passes it again.
+fn varnished(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row =
+        Row::new(format!("varnished {alpha:.3}"), move |p| p.model("plastic", &[]).coloured().roughness(roughness));
+    let passing = gauss::<64>(0.0, 1.0, |c| (1.0 - fresnel(c, INDEX)) * 2.0 * c);
+    let critical = (1.0 - INDEX.powi(-2)).sqrt();
+    // Totally reflected below the critical cosine; above, it begins with a square root.
+    let thrown_back = critical * critical
+        + gauss::<64>(0.0, 1.0, |t| {
+            let c = critical + (1.0 - critical) * t * t;
+            fresnel(c, INDEX.recip()) * 2.0 * c * (1.0 - critical) * 2.0 * t
+        });
+    let ground = 0.5 / (1.0 - 0.5 * thrown_back) / (INDEX * INDEX);
+    row.returns(move |cos| {
+        let cos = cos.abs();
+        let varnish = microfacets(alpha, Masking::Separable, cos, INDEX, |c| fresnel(c, INDEX))[0];
+        varnish + (1.0 - fresnel(cos, INDEX)) * passing * ground
+    })
+}
+
+/// A clear sheet keeps all light.
+fn thin_glass(index: f64) -> Row {
+    let make = move |p: &mut Probe| _ = p.model("thin-glass", &[]).number(Materials::IOR, index as f32);
+    Row { make: Box::new(make), ..Row::new(format!("sheet {index}"), |p| p).through(1.0).returns(|_| 1.0) }
+}
+
+/// Both parts by their shares.
+fn blend((share, alpha): (f64, f64)) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let row = Row::new(format!("blend {share} {alpha:.3}"), move |p| p.blend(share as f32, roughness));
+    let share = f64::from(share as f32);
+    let metal = move |cos: f64| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, |_| 1.0)[0];
+    row.returns(move |cos| (1.0 - share) * 0.5 + share * metal(cos))
+}
+
+/// Reflectance of a metal by its two polarisations, f64, in complex numbers (Fresnel 1823).
+pub fn fresnel_metal(cos: f64, eta: f64, k: f64) -> f64 {
+    type C = (f64, f64);
+    let mul = |a: C, b: C| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let size2 = |a: C| a.0 * a.0 + a.1 * a.1;
+    let n = (eta, k);
+    let n2 = mul(n, n);
+    // n cos beyond the surface, the root of n² − sin².
+    let under = (n2.0 - (1.0 - cos * cos), n2.1);
+    let size = size2(under).sqrt();
+    let beyond = (((size + under.0) / 2.0).max(0.0).sqrt(), ((size - under.0) / 2.0).max(0.0).sqrt());
+    let s = size2((cos - beyond.0, -beyond.1)) / size2((cos + beyond.0, beyond.1));
+    let (a, b) = ((n2.0 * cos, n2.1 * cos), beyond);
+    let p = size2((a.0 - b.0, a.1 - b.1)) / size2((a.0 + b.0, a.1 + b.1));
+    (s + p) / 2.0
 }
 
 /// Reflectance of a dielectric by its two polarisations (Fresnel 1823), f64. `cos` is the cosine where the light is, `eta`

@@ -1,18 +1,23 @@
 //! T12, N12: Fresnel's factor and Snell's law against f64.
 
 use jerboa_ir::lang::{F32, Fun, entry};
+use jerboa_lib_render::bsdf::conductor::fresnel_conductor;
 use jerboa_lib_render::bsdf::dielectric::refract;
+use jerboa_lib_render::bsdf::plastic::diffuse_transmittance;
 use jerboa_lib_render::core::fresnel::{fresnel_dielectric, fresnel_passed, refracted_cos};
 use jerboa_lib_render::core::vec::Vec3;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
 use jerboa_tests::harness::probe::{at_cos, dot};
-use jerboa_tests::harness::scattering::fresnel;
+use jerboa_tests::harness::quadrature::gauss;
+use jerboa_tests::harness::scattering::{fresnel, fresnel_metal};
 
 fn bench() -> Bench {
     Bench::new(|| {
         entry("fresnel", Fun::lam(|_, (cos, eta): (F32, F32)| fresnel_dielectric(cos, eta)));
         entry("passed", Fun::lam(|_, (c, beyond, eta): (F32, F32, F32)| fresnel_passed(c, beyond, eta)));
+        entry("metal", Fun::lam(|_, (cos, eta, k): (F32, F32, F32)| fresnel_conductor(cos, eta, k)));
+        entry("diffuse", Fun::lam(|_, ior: F32| diffuse_transmittance(ior)));
         entry("cosine", Fun::lam(|_, (cos, eta): (F32, F32)| refracted_cos(cos, eta)));
         entry("refract", Fun::lam(|_, (wo, n, eta): (Vec3, Vec3, F32)| refract(wo, n, eta)));
     })
@@ -136,6 +141,47 @@ fn cosine_averages_are_met() {
         let mean = sum / f64::from(n);
         assert!((mean - expected).abs() < 1e-5, "{eta}: {mean}, not {expected}");
     }
+}
+
+/// Metals, good and bad ones, and dielectrics as metals without extinction.
+#[test]
+fn metals_reflect_as_complex_numbers_say() {
+    let mut random = Random::new(0x15);
+    let mut bench = bench();
+    let mut worst = 0.0_f64;
+    for _ in 0..number("JERBOA_COSINES", 20_000) {
+        let between = |random: &mut Random, lo: f64, hi: f64| (lo * (hi / lo).powf(random.uniform())) as f32;
+        let eta = between(&mut random, 0.01, 20.0);
+        let k = if random.below(8) == 0 { 0.0 } else { between(&mut random, 0.01, 20.0) };
+        let cos = if random.below(4) == 0 { between(&mut random, 1e-6, 1.0) } else { random.uniform() as f32 };
+        // Without extinction the formula is next to total reflection as badly conditioned as that of dielectrics.
+        let e = f64::from(eta);
+        let edge = if k < 0.05 {
+            1.5e-7 * (1.0 / (e * e)).max(1.0) / (f64::from(cos) - critical(e)).abs().sqrt()
+        } else {
+            0.0
+        };
+        let r = f64::from(bench.run_floats("metal", &[cos, eta, k])[0]);
+        let error = (r - fresnel_metal(f64::from(cos), e, k.into())).abs();
+        assert!(error <= 1e-6_f64.max(edge), "{cos} {eta} {k}: {r}, off by {error:.1e}");
+        worst = if edge == 0.0 { worst.max(error) } else { worst };
+    }
+    println!("largest error {worst:.1e}");
+}
+
+/// The polynomial for what passes of diffuse light.
+#[test]
+fn diffuse_light_passes_as_quadrature_says() {
+    let mut bench = bench();
+    let mut worst = 0.0_f64;
+    for i in 0..=200 {
+        let ior = 1.0 + 0.01 * i as f32;
+        let passed = f64::from(bench.run_floats("diffuse", &[ior])[0]);
+        let e = f64::from(ior);
+        worst = worst.max((passed - gauss::<64>(0.0, 1.0, |c| (1.0 - fresnel(c, e)) * 2.0 * c)).abs());
+    }
+    println!("largest error {worst:.1e}");
+    assert!(worst < 2e-5, "{worst}");
 }
 
 #[test]

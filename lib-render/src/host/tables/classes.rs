@@ -64,7 +64,7 @@ pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Fac
 fn partitions(memory: &[Arc<Memory>], known: Known) -> Vec<Vec<u32>> {
     let rows = |(spec, m): (&Spec, &Arc<Memory>)| vec![0; if is_classed(spec) { m.rows as usize } else { 0 }];
     let mut classes: Vec<Vec<u32>> = BUFFERS.iter().zip(memory).map(rows).collect();
-    // A class refines with the classes it refers to; references form no cycle, so this settles.
+    // A class refines with the classes it refers to, and only so often as there are rows: this settles.
     loop {
         let refined: Vec<Vec<u32>> =
             BUFFERS.iter().enumerate().map(|(b, s)| partition(b, s, memory, &classes, known)).collect();

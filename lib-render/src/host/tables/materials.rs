@@ -40,6 +40,9 @@ pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> [M
         surface(&mut row, m);
         let (model, own) = resolve(m, models).unwrap_or_default();
         row.set(M::MODEL, model).set(M::NUMBERS, numbers.place(&own));
+        let parts = m.model.as_ref().and_then(|model| model.parts).filter(|_| model != 0);
+        let [first, second] = parts.unwrap_or_default().map(|part| part.min(scene.materials.len() - 1) as u32);
+        row.set(M::FIRST, first).set(M::SECOND, second);
         match model {
             0 => {
                 lobes(&mut row, m);
