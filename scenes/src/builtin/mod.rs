@@ -62,7 +62,7 @@ pub enum Source {
 
 /// Every built-in scene, the default first.
 pub fn list() -> &'static [Builtin] {
-    &table::BUILTINS
+    table::BUILTINS
 }
 
 /// The gallery of hard cases: the scenes that have a reference value.

@@ -35,7 +35,7 @@ const CORNELL_BOX: Reference = rendered(0.13575, 1.0e-4, 1024);
 /// A floor of squares under a sky.
 const CHECKERBOARD: Reference = rendered(0.610787, 3.9e-5, 512);
 
-pub(super) static BUILTINS: [Builtin; 46] = [
+pub(super) static BUILTINS: &[Builtin] = &[
     hard(
         "cornell-box",
         "two boxes in a box with a red and a green wall: the default scene",
