@@ -21,17 +21,24 @@ pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
     )
 }
 
-/// Is there a surface at these texture coordinates?
+/// Is there a surface at these texture coordinates, where its vertices have the alpha `vertices`?
 ///
 /// Mask: where alpha ≥ the cutoff. Blend: with probability alpha, by a number that depends on pixel and sample (the stream
 /// of `rng`), path vertex and primitive alone, so that every traversal order sees the same holes (Law 9).
-pub fn is_there(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2], rng: Rng, vertex: U32, primitive: U32) -> Bool {
+pub fn is_there(
+    b: &mut Block,
+    row: Row<Materials>,
+    (uv, vertices): ([Vec2; 2], F32),
+    rng: Rng,
+    vertex: U32,
+    primitive: U32,
+) -> Bool {
     let mode = row.get(Materials::ALPHA_MODE);
     b.if_(
         mode.eq(ALPHA_OPAQUE),
         |_| Bool::from(true),
         |b| {
-            let alpha = alpha(b, row, uv);
+            let alpha = alpha(b, row, uv) * vertices;
             b.if_(
                 mode.eq(ALPHA_MASK),
                 |_| alpha.ge(row.get(Materials::ALPHA_CUTOFF)),
@@ -47,8 +54,9 @@ pub fn make_accept(state: RayState) -> AcceptFn {
     AcceptFn::lam(move |b, (_, hit)| {
         let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
         b.dispatch(Row::<Geometries>::at(geometry), |b, row| {
-            let uv = Triangle::of(hit).uv(b, row);
-            is_there(b, row.get(Geometries::MATERIAL), uv, state.rng, state.vertex, hit.primitive)
+            let triangle = Triangle::of(hit);
+            let at = (triangle.uv(b, row), triangle.alpha(b, row));
+            is_there(b, row.get(Geometries::MATERIAL), at, state.rng, state.vertex, hit.primitive)
         })
     })
 }

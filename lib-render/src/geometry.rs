@@ -3,6 +3,7 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 
+use crate::core::color::Color;
 use crate::core::vec::{Vec2, Vec3};
 use crate::ray::{Hit, Ray};
 use crate::schema::{Geometries, Primitives};
@@ -39,6 +40,8 @@ pub struct SurfaceElement {
     pub local: Frame3,
     /// Texture coordinates, set 0 and set 1.
     pub uv: [Vec2; 2],
+    /// Colour of the vertices, a factor of the base colour; white where they have none.
+    pub color: Color,
     /// The primitive.
     pub primitive: U32,
     /// The light that this primitive is, a row of `Lights`, or `NONE`.
@@ -47,7 +50,7 @@ pub struct SurfaceElement {
     /// meets this one there.
     pub start: Vec3,
 }
-impl_staged!(SurfaceElement { point, error, face_normal, local, uv, primitive, light, start });
+impl_staged!(SurfaceElement { point, error, face_normal, local, uv, color, primitive, light, start });
 
 impl SurfaceElement {
     /// Cosine between a direction and the face normal.
@@ -80,6 +83,7 @@ pub fn make_geometry(row: Row<Geometries>, shader: Shader) -> Geometry {
             face_normal,
             local: triangle.frame(b, row, normal),
             uv,
+            color: triangle.color(b, row),
             primitive: hit.primitive,
             light: Row::<Primitives>::at(hit.primitive).get(Primitives::LIGHT),
             start,

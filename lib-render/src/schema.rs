@@ -120,6 +120,7 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Normals>(),
     spec::<Uvs>(),
     spec::<Tangents>(),
+    spec::<Colors>(),
     spec::<Tree>(),
     spec::<Lights>(),
     spec::<LightChoice>(),

@@ -17,7 +17,7 @@ pub fn make_shader(row: Row<Materials>) -> Shader {
     Shader::lam(|b, (_ray, _hit, surf)| {
         let plain = surf;
         let surf = apply_normal_map(b, row, plain);
-        let base = base_color(b, row, surf.uv);
+        let base = base_color(b, row, surf.uv) * surf.color;
         let bsdf = make_bsdf(b, row, (plain, surf), base);
         let absorption = absorption(b, row);
         Material {

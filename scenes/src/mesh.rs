@@ -19,7 +19,7 @@ pub struct Mesh {
     pub tangents: Option<Vec<Vec4>>,
     /// Texture coordinates of sets 0 and 1; v = 0 is the top row of an image.
     pub uvs: [Option<Vec<Vec2>>; 2],
-    /// Linear RGBA that multiplies the base colour, interpolated over the triangle.
+    /// Linear RGBA in 0..=1 that multiplies the base colour, interpolated over the triangle.
     pub colors: Option<Vec<Vec4>>,
     /// Vertex indices, counter-clockwise seen from the front: the geometric normal is (p1 − p0) × (p2 − p0).
     pub triangles: Vec<[u32; 3]>,

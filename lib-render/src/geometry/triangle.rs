@@ -2,11 +2,12 @@
 
 use jerboa_ir::lang::{Block, Buf, Col, F32, Row, U32};
 
+use crate::core::color::{Color, color, white};
 use crate::core::onb::onb;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::Frame3;
 use crate::ray::Hit;
-use crate::schema::{Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
+use crate::schema::{Colors, Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
 
 /// Bound on the relative error of seven roundings in a row (Higham 2002, Lemma 3.1): 7 · 2^-24 / (1 − 7 · 2^-24).
 pub const GAMMA_7: f32 = 7.0 / (16_777_216.0 - 7.0);
@@ -98,6 +99,24 @@ impl Triangle {
 
     fn uv_corners(self, u: Col<Uvs, F32>, v: Col<Uvs, F32>) -> [Vec2; 3] {
         self.index.map(|i| vec2(Row::at(i).get(u), Row::at(i).get(v)))
+    }
+
+    /// The interpolated colour of the vertices; white where they have none.
+    pub fn color(self, b: &mut Block, row: Row<Geometries>) -> Color {
+        let interpolated = |_: &mut Block| {
+            let Vec3 { x, y, z } = self.blend(self.corners([Colors::R, Colors::G, Colors::B]));
+            color(x, y, z)
+        };
+        b.if_(row.get(Geometries::HAS_COLORS), interpolated, |_| white())
+    }
+
+    /// The interpolated alpha of the vertices; 1 where they have no colours.
+    pub fn alpha(self, b: &mut Block, row: Row<Geometries>) -> F32 {
+        let interpolated = |_: &mut Block| {
+            let [p, q, r] = std::array::from_fn(|i| Row::at(self.index[i]).get(Colors::A) * self.weights[i]);
+            p + q + r
+        };
+        b.if_(row.get(Geometries::HAS_COLORS), interpolated, |_| F32::from(1.0))
     }
 
     /// The interpolated normal; the face's where there is none or where it cancels.

@@ -15,6 +15,8 @@ table! {
         HAS_UV1: Bool, structure;
         /// Vertices have tangents.
         HAS_TANGENTS: Bool, structure;
+        /// Vertices have colours.
+        HAS_COLORS: Bool, structure;
         /// Its material.
         MATERIAL: ref Materials, structure;
     }
@@ -99,6 +101,20 @@ table! {
         Z: F32, bulk;
         /// +1 or −1: bitangent = sign · normal × tangent.
         SIGN: F32, bulk;
+    }
+}
+
+table! {
+    /// Colours of vertices, linear, and alpha: factors of the base colour.
+    pub Colors {
+        /// Red
+        R: F32, bulk;
+        /// Green
+        G: F32, bulk;
+        /// Blue
+        B: F32, bulk;
+        /// Alpha
+        A: F32, bulk;
     }
 }
 

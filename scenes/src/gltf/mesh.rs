@@ -159,6 +159,11 @@ impl<'a> Loader<'a> {
         for uv in mesh.uvs.iter_mut().flatten() {
             neutral += neutralise(uv, Vec2::is_finite, Vec2::ZERO);
         }
+        let unit = |c: Vec4| c.clamp(Vec4::ZERO, Vec4::ONE);
+        if mesh.colors.as_ref().is_some_and(|colors| colors.iter().any(|c| unit(*c) != *c)) {
+            warn(&mut self.scene.warnings, &at.path, "vertex colours outside 0..=1 are clamped");
+        }
+        mesh.colors.iter_mut().flatten().for_each(|c| *c = unit(*c));
         if neutral > 0 {
             let message =
                 format!("{neutral} normals, tangents, colours or texture coordinates are not finite and are replaced");

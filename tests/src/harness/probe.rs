@@ -3,7 +3,7 @@
 use jerboa_ir::lang::{F32, Fun, Row, U32, entry};
 use jerboa_lib_render::bsdf::BsdfSample;
 use jerboa_lib_render::bsdf::models::MODELS;
-use jerboa_lib_render::core::color::Color;
+use jerboa_lib_render::core::color::{Color, white};
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::{Vec2, Vec3};
 use jerboa_lib_render::geometry::{Frame3, SurfaceElement};
@@ -79,6 +79,7 @@ pub fn surface(face_normal: Vec3, normal: Vec3) -> SurfaceElement {
         face_normal,
         local: Frame3::around(normal),
         uv: [Vec2 { x: zero(), y: zero() }; 2],
+        color: white(),
         primitive: 0.into(),
         light: NONE.into(),
         start: nowhere,

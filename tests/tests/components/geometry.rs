@@ -8,10 +8,11 @@ use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::Vec3;
 use jerboa_lib_render::geometry::make_geometry;
 use jerboa_lib_render::geometry::offset::{offset_origin, spawn_shadow_ray};
+use jerboa_lib_render::geometry::triangle::Triangle;
 use jerboa_lib_render::light::DirectLightSample;
 use jerboa_lib_render::material::{EmissionValue, Material};
 use jerboa_lib_render::ray::{Hit, Ray};
-use jerboa_lib_render::schema::{Frame, Geometries, NONE, Normals, Primitives, Settings, Tangents, Uvs, Vertices};
+use jerboa_lib_render::schema::{Colors, Frame, Geometries, NONE, Normals, Primitives, Settings, Tangents, Uvs, Vertices};
 use jerboa_lib_render::shader::Shader;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
@@ -63,6 +64,13 @@ fn bench() -> Bench {
     let mut bench = Bench::new(|| {
         entry("surface", Fun::lam(|b, (u, v): (F32, F32)| surface(b, u, v)));
         entry(
+            "alpha",
+            Fun::lam(|b, (u, v): (F32, F32)| {
+                let hit = Hit { primitive: 0.into(), t: 0.0.into(), u, v };
+                Triangle::of(hit).alpha(b, Row::at(0u32))
+            }),
+        );
+        entry(
             "offset",
             Fun::lam(|b, (u, v, w): (F32, F32, Vec3)| {
                 let s = surface(b, u, v);
@@ -96,6 +104,7 @@ fn bench() -> Bench {
     bench.rows::<Normals>(3);
     bench.rows::<Uvs>(3);
     bench.rows::<Tangents>(3);
+    bench.rows::<Colors>(3);
     for (column, row) in [(Primitives::I1, 1), (Primitives::I2, 2), (Primitives::LIGHT, NONE)] {
         bench.set(column, 0, row);
     }
@@ -135,7 +144,8 @@ fn a_flat_triangle_without_attributes_has_its_own_normal_and_some_frame() {
         assert_eq!(floats::<3>(&s[6..]), [0.0, 0.0, 1.0], "face normal");
         assert_eq!(floats::<3>(&s[15..]), [0.0, 0.0, 1.0], "shading normal");
         assert_eq!(floats::<6>(&s[9..]), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0], "tangent and bitangent");
-        assert_eq!(s[22..24], [0, NONE]);
+        assert_eq!(floats::<3>(&s[22..]), [1.0; 3], "no colours: white");
+        assert_eq!(s[25..27], [0, NONE]);
     }
 }
 
@@ -170,6 +180,21 @@ fn attributes_are_interpolated_and_frames_are_orthonormal() {
             assert_eq!(s[15..18], s[6..9], "no normal: the face's");
         }
     }
+}
+
+#[test]
+fn colours_of_vertices_are_interpolated() {
+    let mut bench = bench();
+    place(&mut bench, FLAT);
+    bench.set(Geometries::HAS_COLORS, 0, true);
+    for (row, rgba) in [[1.0, 0.5, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.5, 1.0, 0.5_f32]].into_iter().enumerate() {
+        for (column, value) in [Colors::R, Colors::G, Colors::B, Colors::A].into_iter().zip(rgba) {
+            bench.set(column, row, value);
+        }
+    }
+    let at = [0.25_f32, 0.5].map(f32::to_bits);
+    assert_eq!(floats::<3>(&bench.run_both("surface", &at)[22..]), [0.25, 0.5, 0.5]);
+    assert_eq!(floats::<1>(&bench.run_both("alpha", &at)), [0.25 + 0.25]);
 }
 
 #[test]

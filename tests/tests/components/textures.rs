@@ -153,7 +153,8 @@ fn alpha_decides_whether_a_surface_is_there() {
             "is_there",
             Fun::<U32, _>::lam(|b, key| {
                 let rng = Rng::new(0.into(), 0.into(), key);
-                is_there(b, Row::<Materials>::at(0u32), [vec2(0.0, 0.0); 2], rng, 1u32.into(), 7u32.into())
+                let at = ([vec2(0.0, 0.0); 2], 1.0.into());
+                is_there(b, Row::<Materials>::at(0u32), at, rng, 1u32.into(), 7u32.into())
             }),
         );
     });

@@ -7,7 +7,7 @@ use crate::bsdf::Bsdf;
 use crate::bsdf::diffuse::make_diffuse_bsdf;
 use crate::bsdf::models::number;
 use crate::bsdf::phong::make_mixed_phong_bsdf;
-use crate::core::color::{Color, color};
+use crate::core::color::{Color, color, white};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::{Frame3, SurfaceElement, make_geometry};
@@ -132,6 +132,7 @@ fn shade(b: &mut Block, row: Row<Materials>, i: U32) {
         face_normal: normal,
         local: Frame3::around(normal),
         uv,
+        color: white(),
         primitive: 0.into(),
         light: NONE.into(),
         start: origin,

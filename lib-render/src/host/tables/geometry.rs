@@ -42,6 +42,7 @@ pub struct Geometry {
     normals: Table<Normals>,
     uvs: Table<Uvs>,
     tangents: Table<Tangents>,
+    colors: Table<Colors>,
 }
 
 impl Geometry {
@@ -56,7 +57,7 @@ impl Geometry {
     }
 
     /// One instance: its vertices, its triangles and the row that says what they have in common.
-    fn add(&mut self, instance: &Instance, mesh: &Mesh, origin: DVec3, rows: &mut HashMap<[u32; 5], u32>) {
+    fn add(&mut self, instance: &Instance, mesh: &Mesh, origin: DVec3, rows: &mut HashMap<[u32; 6], u32>) {
         use Primitives as P;
         let first = self.vertices.rows();
         let placed = Placed::new(instance, mesh, origin);
@@ -76,10 +77,10 @@ impl Geometry {
     }
 
     /// The row of meshes with these attributes and this material.
-    fn geometry_row(&mut self, mesh: &Mesh, rows: &mut HashMap<[u32; 5], u32>) -> u32 {
-        let has = [mesh.normals.is_some(), mesh.uvs[0].is_some(), mesh.uvs[1].is_some(), mesh.tangents.is_some()];
-        let [n, u0, u1, t] = has;
-        let key = [n as u32, u0 as u32, u1 as u32, t as u32, mesh.material as u32];
+    fn geometry_row(&mut self, mesh: &Mesh, rows: &mut HashMap<[u32; 6], u32>) -> u32 {
+        let [n, t, c] = [mesh.normals.is_some(), mesh.tangents.is_some(), mesh.colors.is_some()];
+        let [u0, u1] = [mesh.uvs[0].is_some(), mesh.uvs[1].is_some()];
+        let key = [n as u32, u0 as u32, u1 as u32, t as u32, c as u32, mesh.material as u32];
         let geometries = &mut self.geometries;
         *rows.entry(key).or_insert_with(|| {
             use Geometries as G;
@@ -90,7 +91,8 @@ impl Geometry {
                 .set(G::HAS_UV0, u0)
                 .set(G::HAS_UV1, u1)
                 .set(G::HAS_TANGENTS, t)
-                .set(G::MATERIAL, key[4]);
+                .set(G::HAS_COLORS, c)
+                .set(G::MATERIAL, key[5]);
             row
         })
     }
@@ -127,10 +129,16 @@ impl Geometry {
                 self.tangents.push().set_all(columns, [x, y, z, t.w * sign as f32]);
             }
         }
+        if let Some(colors) = &mesh.colors {
+            self.colors.pad(first);
+            for color in colors {
+                self.colors.push().set_all([Colors::R, Colors::G, Colors::B, Colors::A], color.to_array());
+            }
+        }
     }
 
-    /// The tables of primitives, geometries, vertices, normals, texture coordinates and tangents.
-    pub fn finish(self) -> [Memory; 6] {
+    /// The tables of primitives, geometries, vertices, normals, texture coordinates, tangents and colours.
+    pub fn finish(self) -> [Memory; 7] {
         [
             self.primitives.finish(),
             self.geometries.finish(),
@@ -138,6 +146,7 @@ impl Geometry {
             self.normals.finish(),
             self.uvs.finish(),
             self.tangents.finish(),
+            self.colors.finish(),
         ]
     }
 }

@@ -139,13 +139,14 @@ impl Tables {
 
         // Triangles.
         let geometry = geometry::Geometry::new(scene, origin);
-        let [primitives, geometries, vertices, normals, uvs, tangents] = geometry.finish();
+        let [primitives, geometries, vertices, normals, uvs, tangents, colors] = geometry.finish();
         put(binding::<Primitives>(), primitives);
         put(binding::<Geometries>(), geometries);
         put(binding::<Vertices>(), vertices);
         put(binding::<Normals>(), normals);
         put(binding::<Uvs>(), uvs);
         put(binding::<Tangents>(), tangents);
+        put(binding::<Colors>(), colors);
 
         // Lights.
         let radius = radius(&bounds);
