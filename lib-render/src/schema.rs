@@ -24,6 +24,15 @@ pub use textures::*;
 /// "None" in a column of indices.
 pub const NONE: u32 = u32::MAX;
 
+/// [`Settings::CAMERA`]: all rays through one point.
+pub const CAMERA_PINHOLE: u32 = 0;
+/// [`Settings::CAMERA`]: all through a disk, those of a point of the film through one point in focus.
+pub const CAMERA_THIN: u32 = 1;
+/// [`Settings::CAMERA`]: all rays parallel.
+pub const CAMERA_ORTHOGRAPHIC: u32 = 2;
+/// [`Settings::CAMERA`]: angles as the distance from the film's centre.
+pub const CAMERA_FISHEYE: u32 = 3;
+
 table! {
     /// The choices of a render, one row: on/off is structure, numbers are value.
     pub classed Settings {
@@ -45,6 +54,8 @@ table! {
         HAS_CUTOUTS: Bool, structure;
         /// Does any volume absorb?
         HAS_VOLUMES: Bool, structure;
+        /// `CAMERA_*`.
+        CAMERA: U32, structure;
         /// Roulette may end a path from this scattering on.
         RR_DEPTH: U32, value;
         /// Largest survival probability.
@@ -85,13 +96,14 @@ table! {
         EYE_Y: F32, bulk;
         /// Camera position, world.
         EYE_Z: F32, bulk;
-        /// Camera right, world, times tan(yfov/2) · aspect.
+        /// Camera right, world, times half the width of the film: on the plane at distance 1 (pinhole, thin lens), in metres
+        /// (orthographic), in radians (fisheye).
         RIGHT_X: F32, bulk;
         /// See [`Frame::RIGHT_X`].
         RIGHT_Y: F32, bulk;
         /// See [`Frame::RIGHT_X`].
         RIGHT_Z: F32, bulk;
-        /// Camera up, world, times tan(yfov/2).
+        /// Camera up, world, times half the height of the film, likewise.
         UP_X: F32, bulk;
         /// See [`Frame::UP_X`].
         UP_Y: F32, bulk;
@@ -103,6 +115,12 @@ table! {
         FORWARD_Y: F32, bulk;
         /// See [`Frame::FORWARD_X`].
         FORWARD_Z: F32, bulk;
+        /// Radius of a thin lens over the length of [`Frame::RIGHT_X`] and so on.
+        LENS_RIGHT: F32, bulk;
+        /// Radius of a thin lens over the length of [`Frame::UP_X`] and so on.
+        LENS_UP: F32, bulk;
+        /// Depth that a thin lens is in focus at, m.
+        FOCUS: F32, bulk;
     }
 }
 

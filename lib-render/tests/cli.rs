@@ -202,7 +202,7 @@ fn a_camera_is_found_by_name() {
     let desk = Desk::new();
     assert!(desk.bytes("--camera camera") == desk.bytes(""));
     let error = desk.error(&format!("{SMALL} --camera Foo"));
-    assert_eq!(error, "camera \"Foo\": the scene has no camera of that name; there are camera");
+    assert_eq!(error, "camera \"Foo\": there is no camera of that name or number; there are camera");
 }
 
 #[test]

@@ -19,11 +19,13 @@ pub enum Error {
         /// The name asked for.
         name: String,
     },
-    /// No camera of the scene has this name.
-    Camera {
+    /// Of the things there are to choose from, none has this name or number.
+    Choice {
+        /// What was to be chosen: `camera`, `scene`, `variant`, `animation`.
+        noun: &'static str,
         /// The name asked for.
         name: String,
-        /// The names there are.
+        /// The names there are; numbers where there is no name.
         known: Vec<String>,
     },
     /// The file is not a glTF 2.0 container: a bad GLB header or chunk, or another format.
@@ -110,11 +112,11 @@ impl Error {
                 let known: Vec<_> = crate::builtin::list().iter().map(|b| b.name).collect();
                 format!("builtin:{name}: no such built-in scene; there are {}", known.join(", "))
             }
-            Error::Camera { name, known } if known.is_empty() => {
-                format!("camera \"{name}\": the scene has no camera; leave the name out to frame the whole scene")
+            Error::Choice { noun, name, known } if known.is_empty() => {
+                format!("{noun} \"{name}\": there is no {noun} to choose; leave the name out")
             }
-            Error::Camera { name, known } => {
-                format!("camera \"{name}\": the scene has no camera of that name; there are {}", known.join(", "))
+            Error::Choice { noun, name, known } => {
+                format!("{noun} \"{name}\": there is no {noun} of that name or number; there are {}", known.join(", "))
             }
             Error::Container { file, reason } => {
                 format!("{}: not a glTF 2.0 file: {reason}; export it again as .glb or .gltf", file.display())

@@ -36,15 +36,19 @@
 //! - **Images**: PNG, JPEG, WebP (EXT_texture_webp), kept at eight bits; wrap modes and the magnification filter.
 //! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
 //!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr) or given later by [`Scene::set_environment`].
-//! - **Cameras**: perspective; the film's size from the camera's `extras: {width, height}`.
+//! - **Shapes**: morph targets and skins, at rest or at a moment of the file's animations (steps, lines and cubic splines
+//!   of translation, rotation, scale and weights); EXT_mesh_gpu_instancing.
+//! - **Choices** ([`Selection`]): any of the file's scenes, and of its KHR_materials_variants.
+//! - **Cameras**: perspective and orthographic; from the camera's `extras` the film's size `{width, height}`, a thin lens
+//!   `{aperture, focus}` and the angle of a `{fisheye}`: see [`Lens`].
 //! - **Wavefront OBJ**: polygons with texture coordinates and normals; MTL with diffuse, Phong, mirror, glass and light, and
 //!   metalness and roughness where a library has them.
 //! - KHR_mesh_quantization. Any other extension is an error where the file *requires* it, else a warning.
 //!
 //! # What is ignored, and why
 //!
-//! Animations, skins and morph targets (the scene is shown at rest), orthographic cameras, points and lines, texture
-//! coordinate sets above 1: each with a warning. Silently: near and far planes and a light's `range` (hints for
+//! Animations where no moment is asked for, points and lines, texture coordinate sets above 1: each with
+//! a warning. Silently: near and far planes and a light's `range` (hints for
 //! rasterisers), occlusion textures (they stand for ambient light, which a path tracer computes), minification filters
 //! (many samples per pixel replace mipmaps), `min`/`max` of accessors, colour profiles in images (glTF says so).
 //!
@@ -77,11 +81,12 @@ mod mesh;
 mod model;
 mod obj;
 mod scene;
+mod selection;
 mod texture;
 
 pub mod builtin;
 
-pub use camera::Camera;
+pub use camera::{Camera, Lens};
 pub use environment::Environment;
 pub use error::{Error, Warning};
 pub use light::{Light, LightKind};
@@ -91,4 +96,5 @@ pub use material::{AlphaMode, Material, TextureRef, UvTransform, Volume};
 pub use mesh::{Instance, Mesh};
 pub use model::Model;
 pub use scene::Scene;
+pub use selection::Selection;
 pub use texture::{Filter, Image, Texture, TextureSource, Wrap};

@@ -39,12 +39,25 @@ impl Scene {
 
     /// Like [`Scene::load`], within limits of one's own.
     pub fn load_within(path: impl AsRef<Path>, limits: &Limits) -> Result<Scene, Error> {
+        Scene::load_selected(path, &Selection::default(), limits)
+    }
+
+    /// Like [`Scene::load_within`], of a file that holds more than one scene, variant or moment. A built-in scene and
+    /// an .obj file hold one of each.
+    pub fn load_selected(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Scene, Error> {
         let path = path.as_ref();
-        match path.to_str().and_then(|p| p.strip_prefix("builtin:")) {
-            Some(name) => builtin::build(name),
-            None if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) => obj::load(path, limits),
-            None => gltf::load(path, limits),
+        let builtin = path.to_str().and_then(|p| p.strip_prefix("builtin:"));
+        let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        if builtin.is_none() && !is_obj {
+            return gltf::load(path, selection, limits);
         }
+        let Selection { scene, variant, animation, .. } = selection;
+        for (noun, asked) in [("scene", scene), ("variant", variant), ("animation", animation)] {
+            if let Some(asked) = asked {
+                selection::choose(noun, asked, std::iter::empty())?;
+            }
+        }
+        builtin.map_or_else(|| obj::load(path, limits), builtin::build)
     }
 
     /// Replaces the environment by a lat-long .hdr or .exr image; texels that are not finite or negative become 0, with a
@@ -71,11 +84,10 @@ impl Scene {
         Ok(())
     }
 
-    /// The camera of a name.
+    /// The camera of a name, or of a number, from 0.
     pub fn camera_named(&self, name: &str) -> Result<&Camera, Error> {
-        let known = || self.cameras.iter().map(|c| c.name.clone()).collect();
-        let found = self.cameras.iter().find(|c| c.name == name);
-        found.ok_or_else(|| Error::Camera { name: name.into(), known: known() })
+        let names = self.cameras.iter().map(|c| c.name.as_str());
+        Ok(&self.cameras[selection::choose("camera", name, names)?])
     }
 
     /// The first camera; without one, a camera that sees the whole scene from the front, a little from above.

@@ -128,7 +128,7 @@ fn layers_show_what_the_picture_sees() {
             seen += 1;
             let cos = depth[i] / distance;
             assert!(
-                cos <= 1.0 + 1e-6 && cos > (camera.yfov as f32).cos(),
+                cos <= 1.0 + 1e-6 && cos > (2.0 * camera.half_height().atan() as f32).cos(),
                 "{name}, pixel {i}: {} {distance}",
                 depth[i]
             );

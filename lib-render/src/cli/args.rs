@@ -211,9 +211,31 @@ fn probability(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|x| *x > 0.0 && *x <= 1.0).ok_or_else(|| "expected a number above 0, at most 1".into())
 }
 
+/// `text` as a moment in seconds.
+fn moment(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number of seconds".into())
+}
+
 /// `text` as a time in seconds above 0.
 fn seconds(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|x| *x > 0.0).ok_or_else(|| "expected a number of seconds above 0".into())
+}
+
+/// What to show of a file that holds more than one of it.
+#[derive(Clone, Debug, Default, Args)]
+pub struct SelectArgs {
+    /// A scene of the file, by name or by number from 0 [default: the file's default]
+    #[arg(long = "scene", value_name = "NAME|N")]
+    pub scene_of_file: Option<String>,
+    /// A variant of the materials, by name or number [default: the default materials]
+    #[arg(long, value_name = "NAME|N")]
+    pub variant: Option<String>,
+    /// The moment of the animations to show, in seconds [default: the rest pose]
+    #[arg(long, value_name = "SECONDS", value_parser = moment, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// Play this animation only, by name or number [default: all together]
+    #[arg(long, value_name = "NAME|N", requires = "time")]
+    pub animation: Option<String>,
 }
 
 /// Words of `jerboa render`.
@@ -222,6 +244,9 @@ pub struct RenderArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// Where the image goes: .exr is linear, .png is exposed, clamped to [0, 1] and sRGB-encoded
     #[arg(short, long, value_name = "OUT", default_value = "out.png")]
     pub output: PathBuf,
@@ -252,9 +277,15 @@ pub struct RenderArgs {
     /// What is shown.
     #[command(flatten)]
     pub shown: ShownArgs,
-    /// A camera of the scene by name [default: the first]
-    #[arg(long, value_name = "NAME")]
+    /// A camera of the scene, by name or by number from 0 [default: the first]
+    #[arg(long, value_name = "NAME|N")]
     pub camera: Option<String>,
+    /// Diameter of the lens in units of the scene; 0 is a pinhole [default: the camera's extras.aperture, else 0]
+    #[arg(long, value_name = "D", value_parser = finite_not_negative, allow_negative_numbers = true)]
+    pub aperture: Option<f32>,
+    /// Depth of the plane that the lens shows sharp, in units of the scene [default: the camera's extras.focus]
+    #[arg(long, value_name = "F", value_parser = finite_not_negative, allow_negative_numbers = true)]
+    pub focus: Option<f32>,
     /// How shading normals may differ from the surface
     #[arg(long, value_name = "MODE", value_enum, default_value_t)]
     pub shading_normals: ShadingNormalsArg,
@@ -298,6 +329,9 @@ pub struct RenderArgs {
 pub struct DumpArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// What to show
     #[arg(long, value_enum)]
     pub stage: StageArg,
@@ -495,7 +529,7 @@ mod tests {
         let args: RenderArgs = parse(
             "a.glb -o b.exr --spp 16 --width 40 --height 30 --max-depth 16 --seed 7 --known all --device cpu \
              --tracer depth --camera Main --shading-normals free --env sky.hdr --env-rotation -90 --env-strength 2 \
-             --rr-depth 5 --rr-cap 0.95 --crop 1,2,3,4 --exposure -1.5 --threads 2 --time-limit 10 --json",
+             --scene 1 --variant night --time -0.5 --animation walk --aperture 0.5 --focus 3 --rr-depth 5 --rr-cap 0.95 --crop 1,2,3,4 --exposure -1.5 --threads 2 --time-limit 10 --json",
         )
         .unwrap();
         assert_eq!((args.scene.as_str(), args.output), ("a.glb", "b.exr".into()));
@@ -503,6 +537,10 @@ mod tests {
         assert_eq!((args.seed, args.known, args.shown.tracer), (7, KnownArg::All, TracerArg::Depth));
         assert_eq!((args.env_rotation, args.env_strength, args.exposure), (Some(-90.0), Some(2.0), -1.5));
         assert_eq!((args.crop, args.threads, args.time_limit), (Some(CropArg([1, 2, 3, 4])), Some(2), Some(10.0)));
+        assert_eq!((args.aperture, args.focus), (Some(0.5), Some(3.0)));
+        let select = args.select;
+        assert_eq!((select.scene_of_file.as_deref(), select.variant.as_deref()), (Some("1"), Some("night")));
+        assert_eq!((select.time, select.animation.as_deref()), (Some(-0.5), Some("walk")));
         assert!(args.json && args.camera.as_deref() == Some("Main"));
     }
 
@@ -536,6 +574,8 @@ mod tests {
             "--threads 0",
             "--rr-depth 0",
             "--max-depth 0",
+            "--time inf",
+            "--animation walk",
         ] {
             assert!(parse::<RenderArgs>(words).is_err(), "{words}");
         }

@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use jerboa_scenes::{Camera, Scene};
+use jerboa_scenes::{Camera, Limits, Scene, Selection};
 
-use super::args::{DeviceArg, KnownArg, RenderArgs, ShadingNormalsArg, TraversalArg};
+use super::args::{DeviceArg, KnownArg, RenderArgs, SelectArgs, ShadingNormalsArg, TraversalArg};
 use crate::bsdf::models::MODELS;
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::gpu;
 use crate::host::tables::models::check_models;
-use crate::host::tables::{Choices, Known};
+use crate::host::tables::{CameraKind, Choices, Known};
 
 impl From<KnownArg> for Known {
     fn from(arg: KnownArg) -> Known {
@@ -47,8 +47,15 @@ impl From<DeviceArg> for DeviceKind {
 
 /// Load a scene whose models are all there, say its warnings on stderr, and how long it took.
 pub fn load(path: &str) -> Result<(Scene, Duration), Error> {
+    load_selected(path, &SelectArgs::default())
+}
+
+/// As [`load`], of a file that holds more than one.
+pub fn load_selected(path: &str, select: &SelectArgs) -> Result<(Scene, Duration), Error> {
+    let SelectArgs { scene_of_file, variant, time, animation } = select.clone();
+    let selection = Selection { scene: scene_of_file, variant, time, animation };
     let start = Instant::now();
-    let scene = Scene::load(path).map_err(|e| Error::new(e.to_string()))?;
+    let scene = Scene::load_selected(path, &selection, &Limits::default()).map_err(|e| Error::new(e.to_string()))?;
     check_models(&scene, MODELS)?;
     let time = start.elapsed();
     for warning in scene.all_warnings() {
@@ -86,6 +93,16 @@ pub fn camera(scene: &Scene, name: Option<&str>) -> Result<Camera, Error> {
     }
 }
 
+/// A camera with the lens that is asked for.
+pub fn lens(camera: Camera, args: &RenderArgs) -> Result<Camera, Error> {
+    if args.aperture.is_none() && args.focus.is_none() {
+        return Ok(camera);
+    }
+    let (aperture, focus) = (args.aperture.map(f64::from), args.focus.map(f64::from));
+    let with_lens = camera.with_lens(aperture, focus).filter(|c| aperture.is_some() || c.lens != camera.lens);
+    with_lens.ok_or_else(|| Error::new("a lens takes a camera of perspective, --aperture, and --focus above 0"))
+}
+
 /// Film size: what is asked for; one side alone keeps the camera's aspect.
 pub fn film_size(camera: &Camera, width: Option<u32>, height: Option<u32>) -> [u32; 2] {
     let (w, h) = camera.film_or_default();
@@ -101,7 +118,7 @@ pub fn film_size(camera: &Camera, width: Option<u32>, height: Option<u32>) -> [u
 }
 
 /// The choices that a kernel sees.
-pub fn choices(args: &RenderArgs) -> Choices {
+pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
     Choices {
         max_depth: args.max_depth,
         rr_depth: Some(args.rr_depth),
@@ -109,5 +126,6 @@ pub fn choices(args: &RenderArgs) -> Choices {
         consistent_normals: args.shading_normals == ShadingNormalsArg::Consistent,
         ray_offset: args.ray_offset,
         occlusion_distance: args.shown.ao_distance.unwrap_or(f32::INFINITY),
+        camera: Some(CameraKind::of(camera)),
     }
 }

@@ -17,7 +17,7 @@ use super::code_cache::compile;
 use super::device::DeviceKind;
 use super::error::Error;
 use super::tables::Tables;
-use crate::camera::make_perspective_camera;
+use crate::camera::make_camera;
 use crate::device::Device;
 use crate::device::both::trace_both;
 use crate::device::cpu::{make_cpu_device, trace_light};
@@ -133,7 +133,7 @@ const GPU: [fn() -> Device; 2] = [make_megakernel_device, make_wavefront_device]
 fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind], more: impl FnOnce()) -> Program {
     build(|| {
         declare_all();
-        let camera = make_perspective_camera();
+        let camera = make_camera();
         let devices: Vec<Device> = devices.iter().map(|make| make()).collect();
         for kind in tracers {
             let tracer = match kind {
@@ -155,7 +155,7 @@ fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind], more: impl
 /// The entries of the CPU over tracers whose paths start at lights.
 fn from_lights() {
     trace_light(TracerKind::Light.kernel(), make_light_tracer());
-    let eye = make_eye_tracer(make_perspective_camera());
+    let eye = make_eye_tracer(make_camera());
     trace_both(TracerKind::Bidirectional.kernel(), eye, make_light_side_tracer());
 }
 

@@ -15,7 +15,7 @@ use super::gpu::{self, RealMachine, Schedule};
 use super::scalar;
 use super::splats;
 use super::tables::models::check_models;
-use super::tables::{Choices, Known, Pass, Tables, frame};
+use super::tables::{CameraKind, Choices, Known, Pass, Tables, frame};
 use super::wave::Wave;
 use super::work::{Tiles, Whole, Work};
 use crate::bsdf::models::MODELS;
@@ -193,6 +193,10 @@ impl Renderer {
         let lay_out = || (Tables::walked(scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
         let ((tables, laid_out), _) = rayon::join(lay_out, || generic_of(options.device, options.tracer));
+        let from_lights = matches!(options.tracer, TracerKind::Light | TracerKind::Bidirectional);
+        if from_lights && tables.camera != CameraKind::Pinhole {
+            return Err(Error::new("paths from lights end in pinholes only: choose another camera or tracer"));
+        }
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
         let waited = laid_out.elapsed();
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
@@ -239,7 +243,7 @@ impl Renderer {
     /// Add these samples, with a handle on it. A cancelled render is no error: the film holds what was done.
     ///
     /// # Errors
-    /// When the samples reach beyond 2^32, a kernel gives up: a fault of Jerboa, or the GPU is lost or out of memory.
+    /// When the camera is not of the kind that the renderer is specialised for, the samples reach beyond 2^32, a kernel gives up: a fault of Jerboa, or the GPU is lost or out of memory.
     pub fn render_with(&self, camera: &Camera, film: &mut Film, job: Render, handle: &Handle) -> Result<Stats, Error> {
         if job.sample.checked_add(job.spp).is_none() {
             let Render { sample, spp, .. } = job;
@@ -273,6 +277,7 @@ impl Renderer {
         pass: Pass,
         handle: &Handle,
     ) -> Result<(bool, [u64; 2]), Error> {
+        self.tables.camera.check(camera)?;
         if let Device::Gpu(device) = &self.device {
             let frame = frame(camera, self.tables.origin, &pass).words;
             let mut device = device.lock().unwrap_or_else(PoisonError::into_inner);
@@ -292,8 +297,9 @@ impl Renderer {
     /// What the device leaves for each sample of a pass, but for light that falls on other pixels: the words of the stream [`crate::schema::Samples`], column by column.
     ///
     /// # Errors
-    /// When a kernel gives up: a fault of Jerboa; or on a GPU, which leaves sums of pixels.
+    /// When the camera is of another kind, or a kernel gives up: a fault of Jerboa; or on a GPU, which leaves sums of pixels.
     pub fn samples(&self, camera: &Camera, pass: &Pass) -> Result<Vec<u32>, Error> {
+        self.tables.camera.check(camera)?;
         let mut work = Whole::new(camera, self.tables.origin, pass);
         if let (Device::CpuScalar(kernel), true) = (&self.device, self.options.tracer.is_splatting()) {
             let [width, height] = pass.size;

@@ -34,7 +34,8 @@ pub(super) struct Accessor<'a> {
     pub at: Json<'a>,
     pub count: usize,
     pub component: ComponentType,
-    /// Components of an element: 1 for SCALAR, up to 4.
+    /// Components of an element: 1 for SCALAR, 16 for MAT4. (The padding in matrices of integers, which glTF has no use for, is
+    /// not told apart.)
     pub width: usize,
     pub normalized: bool,
     /// `None`: all zero.
@@ -69,13 +70,7 @@ impl<'a> Loader<'a> {
         if count == 0 {
             return Err(at.need("count")?.fault("0 elements; at least 1 is required"));
         }
-        let kind = at.need("type")?;
-        let width = match kind.word()? {
-            ElementType::Mat2 | ElementType::Mat3 | ElementType::Mat4 => {
-                return Err(kind.fault(format!("{} is not used by meshes", kind.shown())));
-            }
-            vector => vector.multiplicity(),
-        };
+        let width = at.need("type")?.word::<ElementType>()?.multiplicity();
         let GenericComponentType(component) = at.need("componentType")?.word()?;
         let size = width * component.size();
         let dense = match at.get("bufferView") {
@@ -145,7 +140,7 @@ impl<'a> Loader<'a> {
         };
         let mut floats = match &accessor.dense {
             Some(dense) => (0..accessor.count).map(|i| element(dense.at(i))).collect(),
-            None => vec![element(&[0; 16]); accessor.count],
+            None => vec![element(&[0; 64]); accessor.count],
         };
         if let Some(sparse) = &accessor.sparse {
             for (k, &i) in sparse.indices.iter().enumerate() {

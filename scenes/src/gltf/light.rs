@@ -1,12 +1,11 @@
-//! KHR_lights_punctual and cameras.
+//! KHR_lights_punctual.
 
 use super::Loader;
 use super::json::Json;
-use super::schema::{CameraType, LightType};
-use crate::error::warn;
-use crate::{Camera, Error, Light, LightKind};
+use super::schema::LightType;
+use crate::{Error, Light, LightKind};
 use glam::DAffine3;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 impl<'a> Loader<'a> {
     /// Adds the light that a node's extension refers to.
@@ -46,40 +45,4 @@ impl<'a> Loader<'a> {
         })?;
         Ok(())
     }
-
-    /// Adds the camera that a node refers to.
-    pub fn camera(&mut self, reference: &Json<'a>, node: &Json, to_world: DAffine3) -> Result<(), Error> {
-        let (_, at) = reference.refer(&self.root, "cameras", "cameras")?;
-        if at.need("type")?.word::<CameraType>()? == CameraType::Orthographic {
-            warn(&mut self.scene.warnings, &at.path, "orthographic cameras are left out");
-            return Ok(());
-        }
-        let lens = at.need("perspective")?;
-        let place = lens.need("yfov")?;
-        let yfov = place.number()?;
-        if !(yfov > 0.0 && yfov < PI) {
-            return Err(place.fault(format!("{yfov} is not between 0 and pi")));
-        }
-        let aspect = lens.get("aspectRatio").map(|a| a.number()).transpose()?;
-        if let Some(bad) = aspect.filter(|a| *a <= 0.0) {
-            return Err(lens.fault(format!("an aspect ratio of {bad}")));
-        }
-        let film = at.get("extras").map(|extras| film(&extras)).transpose()?.flatten();
-        let name = if at.name().is_empty() { node.name() } else { at.name() };
-        self.scene.cameras.push(Camera { name, to_world, yfov, aspect, film });
-        Ok(())
-    }
-}
-
-/// Film size from a camera's extras: both numbers or neither.
-fn film(extras: &Json) -> Result<Option<(u32, u32)>, Error> {
-    const SIDE: u64 = 65536;
-    let (Some(width), Some(height)) = (extras.get("width"), extras.get("height")) else {
-        return Ok(None);
-    };
-    let side = |at: &Json| match at.integer()? {
-        n @ 1..=SIDE => Ok(n as u32),
-        n => Err(at.fault(format!("a film of {n} pixels a side, not 1 to {SIDE}"))),
-    };
-    Ok(Some((side(&width)?, side(&height)?)))
 }

@@ -1,6 +1,7 @@
 //! Mesh primitives to triangles.
 
 use super::Loader;
+use super::deform::Shape;
 use super::json::Json;
 use super::schema::{ComponentType, Mode};
 use crate::error::warn;
@@ -9,25 +10,27 @@ use glam::{Vec2, Vec3, Vec4};
 
 impl<'a> Loader<'a> {
     /// The meshes of the scene for the glTF mesh that the index at `reference` points to: one per primitive that has
-    /// triangles. Loaded once, however often it is instanced.
-    pub fn meshes(&mut self, reference: &Json<'a>) -> Result<std::ops::Range<usize>, Error> {
+    /// triangles. Loaded once, however often it is instanced in this shape.
+    pub fn meshes(&mut self, reference: &Json<'a>, shape: &Shape) -> Result<std::ops::Range<usize>, Error> {
         let (index, at) = reference.refer(&self.root, "meshes", "meshes")?;
-        if let Some(known) = self.meshes.get(&index) {
+        let weights = shape.weights.iter().map(|w| w.to_bits()).collect();
+        let key = (index, shape.skin.as_ref().map(|(skin, _)| *skin), weights);
+        if let Some(known) = self.meshes.get(&key) {
             return Ok(known.clone());
         }
         let first = self.scene.meshes.len();
         for primitive in at.list("primitives")? {
-            if let Some(mesh) = self.primitive(&primitive, at.name())? {
+            if let Some(mesh) = self.primitive(&primitive, at.name(), shape)? {
                 self.bounds.push(mesh.bounds());
                 self.scene.meshes.push(mesh);
             }
         }
         let range = first..self.scene.meshes.len();
-        self.meshes.insert(index, range.clone());
+        self.meshes.insert(key, range.clone());
         Ok(range)
     }
 
-    fn primitive(&mut self, at: &Json<'a>, name: String) -> Result<Option<Mesh>, Error> {
+    fn primitive(&mut self, at: &Json<'a>, name: String, shape: &Shape) -> Result<Option<Mesh>, Error> {
         let mode = at.word_or("mode", Mode::Triangles)?;
         let attributes = at.need("attributes")?;
         let has_triangles = matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan);
@@ -35,33 +38,45 @@ impl<'a> Loader<'a> {
             warn(&mut self.scene.warnings, &at.path, "a primitive of points, of lines or without POSITION is left out");
             return Ok(None);
         }
-        if at.get("targets").is_some() {
-            warn(&mut self.scene.warnings, &at.path, "morph targets are ignored: the mesh is shown in its rest shape");
-        }
         let mut mesh = Mesh { name, ..self.vertices(&attributes)? };
+        self.deform(at, &mut mesh, shape)?;
         let corners = self.corners(at, mesh.positions.len())?;
         self.spend(at, corners.len(), 12)?;
         mesh.triangles = self.triangles(at, mode, &corners);
-        mesh.material = self.material(at.get("material"))?;
+        mesh.material = self.material(self.chosen_material(at)?)?;
         self.repair(at, &mut mesh);
         self.check_uv_sets(at, &mesh);
         Ok((!mesh.triangles.is_empty()).then_some(mesh))
     }
 
+    /// The material of a primitive: the chosen variant's, else its own.
+    fn chosen_material(&self, at: &Json<'a>) -> Result<Option<Json<'a>>, Error> {
+        if let (Some(chosen), Some(ext)) = (self.variant, at.extension("KHR_materials_variants")) {
+            for mapping in ext.list("mappings")? {
+                for variant in mapping.list("variants")? {
+                    if variant.integer()? == chosen as u64 {
+                        return Ok(Some(mapping.need("material")?));
+                    }
+                }
+            }
+        }
+        Ok(at.get("material"))
+    }
+
     /// A mesh of vertices, without triangles yet.
     fn vertices(&mut self, attributes: &Json<'a>) -> Result<Mesh, Error> {
-        let positions = self.attribute::<3>(&attributes.need("POSITION")?, None, &[])?;
+        let positions = self.attribute::<3>(&attributes.need("POSITION")?, None, &[], 0.0)?;
         let count = positions.len();
         let fractions = &[ComponentType::U8, ComponentType::U16];
-        let normals = self.optional::<3>(attributes, "NORMAL", count, &[])?;
+        let normals = self.optional::<3>(attributes, "NORMAL", count, &[], 0.0)?;
         // Without normals the shading is flat and tangents mean nothing (glTF 2.0, section 3.7.2.1).
         let tangents = match normals {
-            Some(_) => self.optional::<4>(attributes, "TANGENT", count, &[])?,
+            Some(_) => self.optional::<4>(attributes, "TANGENT", count, &[], 0.0)?,
             None => None,
         };
-        let mut uv = |set| self.optional::<2>(attributes, set, count, fractions);
+        let mut uv = |set| self.optional::<2>(attributes, set, count, fractions, 0.0);
         let uvs = [uv("TEXCOORD_0")?, uv("TEXCOORD_1")?];
-        let colors = self.optional::<4>(attributes, "COLOR_0", count, fractions)?;
+        let colors = self.optional::<4>(attributes, "COLOR_0", count, fractions, 1.0)?;
         Ok(Mesh {
             positions: vectors(positions),
             normals: normals.map(vectors),
@@ -86,23 +101,27 @@ impl<'a> Loader<'a> {
         }
     }
 
-    fn optional<const N: usize>(
+    /// An attribute that need not be there.
+    pub fn optional<const N: usize>(
         &mut self,
         attributes: &Json<'a>,
         name: &str,
         count: usize,
         fractions: &[ComponentType],
+        fill: f32,
     ) -> Result<Option<Vec<[f32; N]>>, Error> {
-        attributes.get(name).map(|reference| self.attribute(&reference, Some(count), fractions)).transpose()
+        attributes.get(name).map(|reference| self.attribute(&reference, Some(count), fractions, fill)).transpose()
     }
 
-    /// A vertex attribute of `N` components (a COLOR_0 may have 3 of its 4). Floats are always allowed; `fractions` lists
-    /// the normalised integers that glTF's core allows; KHR_mesh_quantization allows every 8- and 16-bit integer.
-    fn attribute<const N: usize>(
+    /// A vertex attribute of `N` components (a COLOR_0 may have 3 of its 4, and the last is `fill`). Floats are always allowed;
+    /// `fractions` lists the normalised integers that glTF's core allows; KHR_mesh_quantization allows every 8- and 16-bit
+    /// integer.
+    pub fn attribute<const N: usize>(
         &mut self,
         reference: &Json<'a>,
         count: Option<usize>,
         fractions: &[ComponentType],
+        fill: f32,
     ) -> Result<Vec<[f32; N]>, Error> {
         let accessor = self.accessor(reference)?;
         let color = reference.path.ends_with("COLOR_0");
@@ -115,9 +134,9 @@ impl<'a> Loader<'a> {
             return Err(reference.fault("this component type needs KHR_mesh_quantization in extensionsUsed"));
         }
         if let Some(count) = count.filter(|&c| c != accessor.count) {
-            return Err(reference.fault(format!("{} elements beside {count} positions", accessor.count)));
+            return Err(reference.fault(format!("{} elements, where others have {count}", accessor.count)));
         }
-        self.floats(&accessor, 1.0)
+        self.floats(&accessor, fill)
     }
 
     /// Corners to triangles of the same winding (glTF 2.0, section 3.7.2.1).

@@ -5,8 +5,11 @@
 //! that no material uses costs nothing and complains about nothing.
 
 mod accessor;
+mod animation;
 mod buffer;
+mod camera;
 mod container;
+mod deform;
 mod environment;
 mod folder;
 mod json;
@@ -20,16 +23,20 @@ mod schema;
 mod texture;
 
 use crate::error::warn;
-use crate::{Error, Limits, Scene};
+use crate::selection::choose;
+use crate::{Error, Limits, Scene, Selection};
+use animation::Pose;
 use buffer::Bytes;
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
 use json::Json;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
+use std::rc::Rc;
 
 /// The extensions that are read. Any other is an error where the file requires it, else a warning.
-const EXTENSIONS: [&str; 11] = [
+const EXTENSIONS: [&str; 13] = [
+    "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
@@ -38,6 +45,7 @@ const EXTENSIONS: [&str; 11] = [
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -52,7 +60,17 @@ struct Loader<'a> {
     quantized: bool,
     scene: Scene,
     buffers: HashMap<usize, Bytes<'a>>,
-    meshes: HashMap<usize, Range<usize>>,
+    /// The chosen variant of materials.
+    variant: Option<usize>,
+    /// What animations set, by node.
+    poses: HashMap<usize, Pose>,
+    /// Of the nodes in the scene.
+    world: HashMap<usize, DAffine3>,
+    skins: HashMap<usize, Rc<Vec<DAffine3>>>,
+    /// Numbers of morph targets of meshes.
+    targets: HashMap<usize, usize>,
+    /// By mesh, skin, and the bits of the weights of morph targets.
+    meshes: HashMap<(usize, Option<usize>, Vec<u32>), Range<usize>>,
     /// `None` is glTF's default material.
     materials: HashMap<Option<usize>, usize>,
     /// `None` where the image cannot be had.
@@ -66,8 +84,8 @@ struct Loader<'a> {
     images_left: u64,
 }
 
-/// Loads a .gltf or .glb file.
-pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
+/// Loads what is selected of a .gltf or .glb file.
+pub(crate) fn load(file: &Path, selection: &Selection, limits: &Limits) -> Result<Scene, Error> {
     let bytes = crate::folder::read(file, limits)?;
     let (json, bin) = container::split(file, &bytes)?;
     let value = container::parse(file, json, limits)?;
@@ -75,17 +93,20 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
     let mut scene = Scene { name: file.file_stem().unwrap_or_default().to_string_lossy().into(), ..Scene::default() };
     check_version(&root)?;
     let quantized = check_extensions(&root, &mut scene)?;
-    if root.len("animations") > 0 {
-        warn(&mut scene.warnings, "animations", "animations are ignored: the scene is shown at rest");
-    }
-    let chosen = chosen_scene(&root)?;
+    let chosen = chosen_scene(&root, selection)?;
+    let variant = chosen_variant(&root, selection)?;
     let mut loader = Loader {
         root,
         bin,
         limits,
         quantized,
         scene,
+        variant,
         buffers: HashMap::new(),
+        poses: HashMap::new(),
+        world: HashMap::new(),
+        skins: HashMap::new(),
+        targets: HashMap::new(),
         meshes: HashMap::new(),
         materials: HashMap::new(),
         textures: HashMap::new(),
@@ -96,6 +117,7 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
         geometry_left: limits.geometry_bytes,
         images_left: limits.images_bytes,
     };
+    loader.animate(selection)?;
     loader.nodes(chosen.as_ref())?;
     if let Some(chosen) = &chosen {
         loader.environment(chosen)?;
@@ -131,10 +153,29 @@ fn check_extensions(root: &Json, scene: &mut Scene) -> Result<bool, Error> {
     Ok(quantized)
 }
 
-/// The scene that `scene` names, else the first, else none.
-fn chosen_scene<'a>(root: &Json<'a>) -> Result<Option<Json<'a>>, Error> {
+/// The scene that is asked for, else the one that `scene` names, else the first, else none.
+fn chosen_scene<'a>(root: &Json<'a>, selection: &Selection) -> Result<Option<Json<'a>>, Error> {
+    if let Some(asked) = &selection.scene {
+        let scenes = root.list("scenes")?;
+        return Ok(Some(scenes[chosen("scene", asked, &scenes)?].clone()));
+    }
     match root.get("scene") {
         Some(index) => Ok(Some(index.refer(root, "scenes", "scenes")?.1)),
         None => Ok(root.list("scenes")?.into_iter().next()),
     }
+}
+
+/// The variant of KHR_materials_variants that is asked for.
+fn chosen_variant(root: &Json, selection: &Selection) -> Result<Option<usize>, Error> {
+    let Some(asked) = &selection.variant else {
+        return Ok(None);
+    };
+    let variants = root.extension("KHR_materials_variants").map_or(Ok(Vec::new()), |ext| ext.list("variants"))?;
+    chosen("variant", asked, &variants).map(Some)
+}
+
+/// Which of these objects has the name, or the number, that is asked for.
+fn chosen(noun: &'static str, asked: &str, among: &[Json]) -> Result<usize, Error> {
+    let names: Vec<String> = among.iter().map(Json::name).collect();
+    choose(noun, asked, names.iter().map(String::as_str))
 }

@@ -8,11 +8,12 @@ use ::gltf::json::Value;
 use ::gltf::json::deserialize::from_value;
 use ::gltf::json::extensions::scene::khr_lights_punctual::VALID_TYPES as VALID_LIGHT_TYPES;
 use ::gltf::json::validation::Checked;
-use ::gltf::json::{accessor, camera, material, mesh, texture};
+use ::gltf::json::{accessor, animation, camera, material, mesh, texture};
 use std::fmt::Debug;
 
 pub(super) use ::gltf::json::extensions::scene::khr_lights_punctual::Type as LightType;
 pub(super) use accessor::{ComponentType, GenericComponentType, IndexComponentType, Type as ElementType};
+pub(super) use animation::Interpolation;
 pub(super) use camera::Type as CameraType;
 pub(super) use material::AlphaMode;
 pub(super) use mesh::Mode;
@@ -49,6 +50,7 @@ words! {
     Mode: mesh::VALID_MODES;
     WrappingMode: texture::VALID_WRAPPING_MODES;
     MagFilter: texture::VALID_MAG_FILTERS;
+    Interpolation: animation::VALID_INTERPOLATIONS;
     AlphaMode: material::VALID_ALPHA_MODES;
     CameraType: camera::VALID_CAMERA_TYPES;
     LightType: VALID_LIGHT_TYPES;

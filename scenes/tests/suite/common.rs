@@ -120,7 +120,7 @@ pub fn check(scene: &Scene) {
         assert!(!image.rgba.is_empty());
     }
     for camera in &scene.cameras {
-        assert!(camera.to_world.is_finite() && camera.yfov > 0.0 && camera.yfov < std::f64::consts::PI);
+        assert!(camera.to_world.is_finite() && camera.half_height() > 0.0 && camera.half_height().is_finite());
         assert!(camera.film_or_default().0 > 0 && camera.film_or_default().1 > 0);
     }
     for light in &scene.lights {

@@ -6,6 +6,7 @@ mod hostile;
 mod lobes;
 mod messages;
 mod missing;
+mod moving;
 mod obj;
 mod reading;
 mod shared;

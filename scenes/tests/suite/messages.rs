@@ -11,7 +11,7 @@ fn variant(error: &Error) -> &'static str {
     match error {
         Error::Read { .. } => "Read",
         Error::Builtin { .. } => "Builtin",
-        Error::Camera { .. } => "Camera",
+        Error::Choice { .. } => "Choice",
         Error::Container { .. } => "Container",
         Error::Json { .. } => "Json",
         Error::Value { .. } => "Value",
@@ -50,10 +50,13 @@ fn every_error_says_who_where_and_what_to_do() {
             Scene::load("/dev/zero").unwrap_err(),
             "/dev/zero: cannot be read: not a regular file; check the path and its permissions",
         ),
-        (camera("left", "builtin:empty"), "camera \"left\": the scene has no camera of that name; there are camera"),
+        (
+            camera("left", "builtin:empty"),
+            "camera \"left\": there is no camera of that name or number; there are camera",
+        ),
         (
             Scene::load(&sound).unwrap().camera_named("left").unwrap_err(),
-            "camera \"left\": the scene has no camera; leave the name out to frame the whole scene",
+            "camera \"left\": there is no camera to choose; leave the name out",
         ),
         (
             Scene::load(write(folder, "s.glb", "glTF")).unwrap_err(),

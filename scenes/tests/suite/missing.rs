@@ -20,7 +20,7 @@ fn without_camera_and_light() {
     let (low, high) = scene.bounds().unwrap();
     for corner in [low, high, DVec3::new(low.x, high.y, low.z), DVec3::new(high.x, low.y, low.z)] {
         let direction = (corner - camera.position()).normalize();
-        assert!(direction.dot(camera.forward()).acos() <= camera.yfov / 2.0 + 1e-9, "{corner}");
+        assert!(direction.dot(camera.forward()).acos() <= camera.half_height().atan() + 1e-9, "{corner}");
     }
 }
 

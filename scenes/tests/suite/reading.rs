@@ -281,7 +281,10 @@ fn cameras_and_lights() {
     let scene = load(&d).unwrap();
     check(&scene);
     let wide = scene.camera_named("wide").unwrap();
-    assert_eq!((wide.yfov, wide.aspect, wide.film_or_default()), (1.25, Some(2.0), (1280, 640)));
+    assert_eq!(
+        (wide.lens, wide.aspect, wide.film_or_default()),
+        (Lens::Pinhole { yfov: 1.25 }, Some(2.0), (1280, 640))
+    );
     assert_eq!((wide.position(), wide.forward()), (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z));
     let side = scene.camera_named("node name").unwrap();
     assert_eq!(side.film_or_default(), (300, 200));

@@ -140,10 +140,19 @@ fn the_crate_reads_the_same() {
                 same_material(&scene, &scene.materials[mesh.material], &primitive.material());
             }
             let seen = node.camera();
-            if let Some(Projection::Perspective(lens)) = seen.as_ref().map(|camera| camera.projection()) {
+            if let Some(projection) = seen.as_ref().map(|camera| camera.projection()) {
                 let camera = cameras.next().unwrap();
                 assert!(same_place(camera.to_world, *to_world));
-                assert_eq!((camera.yfov as f32, camera.aspect.map(|a| a as f32)), (lens.yfov(), lens.aspect_ratio()));
+                let aspect = camera.aspect.map(|a| a as f32);
+                match (camera.lens, projection) {
+                    (Lens::Pinhole { yfov }, Projection::Perspective(lens)) => {
+                        assert_eq!((yfov as f32, aspect), (lens.yfov(), lens.aspect_ratio()));
+                    }
+                    (Lens::Orthographic { ymag }, Projection::Orthographic(lens)) => {
+                        assert_eq!((ymag as f32, aspect), (lens.ymag(), Some(lens.xmag() / lens.ymag())));
+                    }
+                    (lens, _) => panic!("{lens:?}"),
+                }
             }
             if let Some(theirs) = node.light() {
                 let light = lights.next().unwrap();

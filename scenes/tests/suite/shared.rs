@@ -1,7 +1,7 @@
 //! Every scene of the shared folder loads. The folder is `$JERBOA_SHARED`, else `shared` beside the checkout.
 
 use crate::common::check;
-use jerboa_scenes::Scene;
+use jerboa_scenes::{Lens, Scene};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ fn matched_scenes_are_what_their_json_says() {
         assert_eq!(scene.materials.len() as u64, facts["materials"].as_u64().unwrap());
         assert_eq!(scene.images.len() as u64, facts["images"].as_u64().unwrap());
         let camera = &scene.cameras[0];
-        assert_eq!(camera.yfov, facts["yfov"].as_f64().unwrap());
+        assert_eq!(camera.lens, Lens::Pinhole { yfov: facts["yfov"].as_f64().unwrap() });
         let film = [&facts["width"], &facts["height"]].map(|n| n.as_u64().unwrap() as u32);
         assert_eq!(camera.film, Some((film[0], film[1])));
         assert_eq!(scene.environment.is_some(), facts["environment"].is_object());

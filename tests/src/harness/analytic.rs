@@ -114,7 +114,7 @@ impl Look {
         let Window { x: left, y: top, width, height } = self.window;
         let across = 2.0 * (f64::from(left) + x * f64::from(width)) / f64::from(self.size[0]) - 1.0;
         let down = 2.0 * (f64::from(top) + y * f64::from(height)) / f64::from(self.size[1]) - 1.0;
-        let half = (self.camera.yfov / 2.0).tan();
+        let half = self.camera.half_height();
         let dir = self.camera.forward() + (self.camera.right() * across - self.camera.up() * down) * half;
         self.camera.position() - dir * (self.camera.position().y / dir.y)
     }

@@ -2,7 +2,7 @@
 
 use jerboa_ir::lang::{Bool, F32, Fun, Row, U32, entry};
 use jerboa_lib_render::bsdf::{Bsdf, BsdfSample};
-use jerboa_lib_render::camera::make_perspective_camera;
+use jerboa_lib_render::camera::make_camera;
 use jerboa_lib_render::core::color::black;
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::Vec3;
@@ -12,7 +12,7 @@ use jerboa_lib_render::geometry::triangle::Triangle;
 use jerboa_lib_render::light::DirectLightSample;
 use jerboa_lib_render::material::{EmissionValue, Material};
 use jerboa_lib_render::ray::{Hit, Ray};
-use jerboa_lib_render::schema::{Colors, Frame, Geometries, NONE, Normals, Primitives, Settings, Tangents, Uvs, Vertices};
+use jerboa_lib_render::schema::*;
 use jerboa_lib_render::shader::Shader;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
@@ -94,10 +94,10 @@ fn bench() -> Bench {
                 spawn_shadow_ray(s, light)
             }),
         );
-        let camera = make_perspective_camera();
+        let camera = make_camera();
         entry(
             "camera",
-            Fun::lam(move |b, (i, j): (U32, U32)| camera.call(b, (i, j, Rng::new(0.into(), 0.into(), 7.into())))),
+            Fun::lam(move |b, (i, j, key): (U32, U32, U32)| camera.call(b, (i, j, Rng::new(0.into(), 0.into(), key)))),
         );
     });
     bench.rows::<Vertices>(3);
@@ -285,8 +285,8 @@ fn offsets_scale_with_the_scene_to_the_bit() {
     }
 }
 
-#[test]
-fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
+/// A film of 4 × 2 pixels, seen from (0, 5, 0) along −z.
+fn with_film() -> Bench {
     let mut bench = bench();
     for (column, value) in [(Frame::WIDTH, 4_u32), (Frame::HEIGHT, 2)] {
         bench.set(column, 0, value);
@@ -296,14 +296,61 @@ fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
     {
         bench.set(column, 0, value);
     }
+    bench
+}
+
+#[test]
+fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
+    let mut bench = with_film();
     for (i, j) in (0..2).flat_map(|j| (0..4).map(move |i| (i, j))) {
-        let ray: [f32; 7] = floats(&bench.run_both("camera", &[i, j]));
+        let ray: [f32; 7] = floats(&bench.run_both("camera", &[i, j, 7]));
         assert_eq!((ray[0..3].to_vec(), ray[6]), (vec![0.0, 5.0, 0.0], f32::INFINITY));
         let (x, y) = (ray[3] / -ray[5], ray[4] / -ray[5]);
         assert!((i as f32 - 2.0..i as f32 - 1.0).contains(&x), "{x} in column {i}");
         assert!((-(j as f32)..=1.0 - j as f32).contains(&y), "{y} in row {j}");
         assert!((ray[3..6].iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-6);
     }
+}
+
+/// Each kind of camera beside the pinhole's ray (d, −1) through the same point of the film.
+#[test]
+fn cameras_of_every_kind_follow_their_formulas() {
+    let mut bench = with_film();
+    let (radius, focus) = (0.5, 3.0);
+    for (column, value) in [(Frame::LENS_RIGHT, radius / 2.0), (Frame::LENS_UP, radius), (Frame::FOCUS, focus as f32)] {
+        bench.set(column, 0, value);
+    }
+    let mut squares = 0.0;
+    for key in 0..1000 {
+        let (i, j) = (key % 4, key / 4 % 2);
+        let mut ray = |kind: u32| -> [f64; 6] {
+            bench.set(Settings::CAMERA, 0, kind);
+            floats::<6>(&bench.run_both("camera", &[i, j, key])).map(f64::from)
+        };
+        let pinhole = ray(CAMERA_PINHOLE);
+        let d = [3, 4].map(|c| pinhole[c] / -pinhole[5]);
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 2e-6, "{a}, not {b}; key {key}");
+
+        let parallel = ray(CAMERA_ORTHOGRAPHIC);
+        assert_eq!(parallel[3..], [0.0, 0.0, -1.0]);
+        parallel[..3].iter().zip([d[0], 5.0 + d[1], 0.0]).for_each(|(a, b)| close(*a, b));
+
+        let fish = ray(CAMERA_FISHEYE);
+        let angle = d[0].hypot(d[1]);
+        close(-fish[5], angle.cos());
+        close(fish[3] * d[1], fish[4] * d[0]);
+        assert!(fish[3] * d[0] >= 0.0 && fish[4] * d[1] >= 0.0, "towards the point of the film");
+
+        let thin = ray(CAMERA_THIN);
+        let lens = [thin[0], thin[1] - 5.0];
+        assert!(thin[2] == 0.0 && lens[0].hypot(lens[1]) <= f64::from(radius) + 1e-6, "{lens:?}");
+        squares += lens[0] * lens[0] + lens[1] * lens[1];
+        let along = focus / -thin[5];
+        (0..2).for_each(|c| close(lens[c] + thin[3 + c] * along, d[c] * focus));
+    }
+    // Uniform over a disk: the mean square is r² / 2, that of one sample has the variance r⁴ / 12.
+    let r2 = f64::from(radius * radius);
+    assert!((squares / 1000.0 - r2 / 2.0).abs() < 4.0 * r2 / 12_000.0_f64.sqrt(), "{squares}");
 }
 
 #[test]

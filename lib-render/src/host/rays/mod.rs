@@ -20,7 +20,7 @@ use super::dispatch::tables_bound;
 use super::error::Error;
 use super::native::{Hit, Ray, Rays, Walkers};
 use super::tables::geometry::triangles;
-use super::tables::{Choices, Known, Tables};
+use super::tables::{CameraKind, Choices, Known, Tables};
 use crate::schema::NONE;
 
 pub mod kernels;
@@ -220,6 +220,9 @@ impl RayBench {
     }
 
     fn make_sets(&self, scene: &Scene, camera: &Camera, side: u32) -> Result<Vec<(Set, Vec<PlainRay>)>, Error> {
+        if CameraKind::of(camera) != CameraKind::Pinhole {
+            return Err(Error::new(format!("camera \"{}\" is no pinhole, which rays are traced from", camera.name)));
+        }
         let triangles = triangles(scene, self.tables.origin);
         let mut random = Random(0x5eed);
         let primary = from_camera(camera, self.tables.origin, side);
@@ -323,7 +326,7 @@ impl Rays for Asked<'_> {
 /// A ray through the middle of each pixel of a square film, block by block.
 fn from_camera(camera: &Camera, origin: glam::DVec3, side: u32) -> Vec<PlainRay> {
     let side = side.next_multiple_of(4);
-    let tan = (camera.yfov / 2.0).tan();
+    let tan = camera.half_height();
     let blocks = (0..side / 4).flat_map(|y| (0..side / 4).map(move |x| (4 * x, 4 * y)));
     let pixels = blocks.flat_map(|(x, y)| (0..16).map(move |k| (x + k % 4, y + k / 4)));
     let at = |i: u32| ((f64::from(i) + 0.5) / f64::from(side) * 2.0 - 1.0) * tan;

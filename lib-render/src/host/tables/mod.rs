@@ -3,10 +3,12 @@
 //! A scene enters the program here and nowhere else: as memory, and as the classes of its rows. In reading order:
 //!
 //! * [`memory`]: typed rows over words,
+//! * [`camera`]: the kinds of cameras,
 //! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`]: what each table holds,
 //! * `tree`: the tree over all triangles,
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
 
+pub mod camera;
 pub mod memory;
 pub mod textures;
 pub mod materials;
@@ -24,8 +26,9 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use jerboa_ir::lang::Buf;
 use jerboa_peval::Facts;
-use jerboa_scenes::{Camera, Scene};
+use jerboa_scenes::{Camera, Lens, Scene};
 
+pub use camera::CameraKind;
 pub use classes::Known;
 use memory::{Memory, Table};
 use tree::SceneTree;
@@ -54,6 +57,8 @@ pub struct Choices {
     pub ray_offset: f32,
     /// How far ambient occlusion looks, m; infinity for no end.
     pub occlusion_distance: f32,
+    /// The kind of the camera; none for that of the scene's first one, else a pinhole. Which camera of that kind it is never matters.
+    pub camera: Option<CameraKind>,
 }
 
 impl Default for Choices {
@@ -65,6 +70,7 @@ impl Default for Choices {
             consistent_normals: true,
             ray_offset: 0.0,
             occlusion_distance: f32::INFINITY,
+            camera: None,
         }
     }
 }
@@ -82,6 +88,8 @@ pub struct Tables {
     pub origin: DVec3,
     /// Triangles that no ray can hit.
     pub dropped: Dropped,
+    /// The kind of camera that the scene is seen by.
+    pub camera: CameraKind,
     /// Time spent on the tree.
     pub bvh_time: Duration,
     /// Radius of the sphere around all triangles, m.
@@ -159,7 +167,8 @@ impl Tables {
         put(binding::<EnvironmentColumns>(), columns);
         put(binding::<EnvironmentRows>(), rows);
 
-        put(binding::<Settings>(), settings(scene, choices, lights.count));
+        let camera = choices.camera.unwrap_or_else(|| CameraKind::of_scene(scene));
+        put(binding::<Settings>(), settings(scene, choices, camera, lights.count));
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
@@ -167,7 +176,7 @@ impl Tables {
 
         let facts = classes::classify(&mut memory, known, &Facts::none());
         let marks = lights.marks;
-        Tables { memory, facts, native, origin, dropped, bvh_time, radius, traversal, cutouts, images, marks }
+        Tables { memory, facts, native, origin, dropped, camera, bvh_time, radius, traversal, cutouts, images, marks }
     }
 
     /// The same scene after a change of materials, textures or lights. What has not changed is shared.
@@ -200,7 +209,7 @@ impl Tables {
             lights::mark(&mut new.memory[binding::<Primitives>()], &self.marks, &lights.marks);
             (count, new.marks) = (lights.count, lights.marks);
         }
-        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, count));
+        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, count));
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
         new
     }
@@ -218,7 +227,7 @@ fn radius(bounds: &Bounds) -> f32 {
     if *bounds == Bounds::EMPTY { 0.0 } else { ((hi - lo).length() / 2.0) as f32 }
 }
 
-fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
+fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: u32) -> Memory {
     use Settings as S;
     let mut table = Table::<S>::new();
     table
@@ -237,7 +246,8 @@ fn settings(scene: &Scene, choices: &Choices, lights: u32) -> Memory {
         .set(S::HAS_ONE_LIGHT, lights == 1)
         .set(S::LIGHT_COUNT, lights)
         .set(S::HAS_CUTOUTS, tree::cutouts(scene).contains(&true))
-        .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs));
+        .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs))
+        .set(S::CAMERA, camera.row());
     table.finish()
 }
 
@@ -259,7 +269,7 @@ pub struct Pass {
 /// The [`Frame`] table of a pass.
 pub fn frame(camera: &Camera, origin: DVec3, pass: &Pass) -> Memory {
     use Frame as F;
-    let tan = (camera.yfov / 2.0).tan();
+    let half = camera.half_height();
     let aspect = f64::from(pass.size[0]) / f64::from(pass.size[1]);
     let mut table = Table::<F>::new();
     let mut row = table.push();
@@ -268,9 +278,14 @@ pub fn frame(camera: &Camera, origin: DVec3, pass: &Pass) -> Memory {
     row.set(F::SAMPLE, pass.sample).set(F::SAMPLES, pass.samples).set(F::SEED, pass.seed);
     let axis = |v: DVec3| v.as_vec3().to_array();
     row.set_all([F::EYE_X, F::EYE_Y, F::EYE_Z], axis(camera.position() - origin));
-    row.set_all([F::RIGHT_X, F::RIGHT_Y, F::RIGHT_Z], axis(camera.right() * tan * aspect));
-    row.set_all([F::UP_X, F::UP_Y, F::UP_Z], axis(camera.up() * tan));
+    row.set_all([F::RIGHT_X, F::RIGHT_Y, F::RIGHT_Z], axis(camera.right() * half * aspect));
+    row.set_all([F::UP_X, F::UP_Y, F::UP_Z], axis(camera.up() * half));
     row.set_all([F::FORWARD_X, F::FORWARD_Y, F::FORWARD_Z], axis(camera.forward()));
+    if let Lens::Thin { aperture, focus, .. } = camera.lens {
+        let radius = aperture / 2.0;
+        let lens = [radius / (half * aspect), radius / half, focus].map(|x| x as f32);
+        row.set_all([F::LENS_RIGHT, F::LENS_UP, F::FOCUS], lens);
+    }
     table.finish()
 }
 

@@ -12,6 +12,9 @@ pub fn cases() -> Vec<(String, Vec<u8>)> {
     all.documents();
     all.nodes();
     all.cameras_and_lights();
+    all.shapes();
+    all.animations();
+    all.instancing();
     all.containers();
     all.0
 }
@@ -243,6 +246,18 @@ impl Corpus {
             "camera-film-1e9",
             json!({"type": "perspective", "perspective": lens(1.0), "extras": {"width": 1e9, "height": 1}}),
         );
+        let box_of = |x: f64, y: f64| json!({"type": "orthographic", "orthographic": {"xmag": x, "ymag": y}});
+        camera("camera-box", box_of(1.0, 1.0));
+        camera("camera-box-0", box_of(1.0, 0.0));
+        camera("camera-box-1e-60", box_of(1.0, 1e-60));
+        camera("camera-box-negative", box_of(-1.0, 1.0));
+        camera("camera-box-without-size", json!({"type": "orthographic"}));
+        let thin = |extras: Value| json!({"type": "perspective", "perspective": lens(1.0), "extras": extras});
+        camera("camera-lens-without-focus", thin(json!({"aperture": 1})));
+        camera("camera-lens-negative", thin(json!({"aperture": -1, "focus": 1})));
+        camera("camera-lens-focus-0", thin(json!({"aperture": 1, "focus": 0})));
+        camera("camera-lens-text", thin(json!({"aperture": "wide"})));
+        camera("camera-fisheye-7", thin(json!({"fisheye": 7})));
         self.vary("camera-out-of-range", |d| d["nodes"][0]["camera"] = json!(1));
         let mut light = |name: &str, light: Value| {
             self.vary(name, |d| {
@@ -257,6 +272,130 @@ impl Corpus {
         light("light-unknown", json!({"type": "laser"}));
         self.vary("light-out-of-range", |d| {
             d["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 5}});
+        });
+    }
+
+    fn shapes(&mut self) {
+        let mut morph = |name: &str, target: Value, weights: Value| {
+            self.vary(name, |d| {
+                d["meshes"][0]["primitives"][0]["targets"] = target;
+                d["meshes"][0]["weights"] = weights;
+            });
+        };
+        morph("morph-control", json!([{"POSITION": 0}]), json!([1]));
+        morph("morph-out-of-range", json!([{"POSITION": 9}]), json!([1]));
+        morph("morph-of-indices", json!([{"POSITION": 1}]), json!([1]));
+        morph("morph-overflow", json!([{"POSITION": 0}]), json!([3e38]));
+        morph("morph-too-few-weights", json!([{}, {}]), json!([1]));
+        morph("morph-weight-text", json!([{}]), json!(["1"]));
+        morph("morph-targets-object", json!({"POSITION": 0}), json!([1]));
+        self.vary("morph-primitives-differ", |d| {
+            let mut other = d["meshes"][0]["primitives"][0].clone();
+            other["targets"] = json!([{}]);
+            d["meshes"][0]["primitives"].as_array_mut().unwrap().push(other);
+        });
+        let mut skin = |name: &str, joints: Value, which: [u8; 4], weights: [f32; 4], matrix: f32| {
+            self.vary(name, |d| {
+                let bytes = weights.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>().repeat(3);
+                let a = accessor(d, &which.repeat(3), 5121, "VEC4", 3);
+                let b = accessor(d, &bytes, 5126, "VEC4", 3);
+                let c = accessor(d, &matrix.to_le_bytes().repeat(16), 5126, "MAT4", 1);
+                let attributes = &mut d["meshes"][0]["primitives"][0]["attributes"];
+                attributes["JOINTS_0"] = json!(a);
+                attributes["WEIGHTS_0"] = json!(b);
+                d["skins"] = json!([{"joints": joints, "inverseBindMatrices": c}]);
+                d["nodes"] = json!([{"mesh": 0, "skin": 0}, {}]);
+            });
+        };
+        skin("skin-control", json!([0]), [0; 4], [1., 0., 0., 0.], 1.0);
+        skin("skin-joint-weightless", json!([0]), [0, 9, 9, 9], [1., 0., 0., 0.], 1.0);
+        skin("skin-joint-out-of-range", json!([0]), [0, 9, 0, 0], [0.5, 0.5, 0., 0.], 1.0);
+        skin("skin-joint-not-a-node", json!([7]), [0; 4], [1., 0., 0., 0.], 1.0);
+        skin("skin-joint-elsewhere", json!([1]), [0; 4], [1., 0., 0., 0.], 1.0);
+        skin("skin-without-joints", json!([]), [0; 4], [1., 0., 0., 0.], 1.0);
+        skin("skin-matrices-too-few", json!([0, 0]), [0; 4], [1., 0., 0., 0.], 1.0);
+        skin("skin-matrix-nan", json!([0]), [0; 4], [1., 0., 0., 0.], f32::NAN);
+        skin("skin-matrix-huge", json!([0]), [0; 4], [1., 0., 0., 0.], 3e38);
+        skin("skin-weights-0", json!([0]), [0; 4], [0.; 4], 1.0);
+        skin("skin-weights-nan", json!([0]), [0; 4], [f32::NAN, 0., 0., 0.], 1.0);
+        skin("skin-weights-negative", json!([0]), [0; 4], [-1., 0., 0., 0.], 1.0);
+        self.vary("skin-of-a-still-mesh", |d| {
+            d["skins"] = json!([{"joints": [0]}]);
+            d["nodes"][0]["skin"] = json!(0);
+        });
+        self.vary("skin-out-of-range", |d| d["nodes"][0]["skin"] = json!(3));
+    }
+
+    /// All are loaded at a time of half a second.
+    fn animations(&mut self) {
+        let mut animation = |name: &str, times: [f32; 2], values: [f32; 6], change: &dyn Fn(&mut Value)| {
+            self.vary(name, |d| {
+                let bytes = |xs: &[f32]| xs.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+                let input = accessor(d, &bytes(&times), 5126, "SCALAR", 2);
+                let output = accessor(d, &bytes(&values), 5126, "VEC3", 2);
+                d["animations"] = json!([{
+                    "samplers": [{"input": input, "output": output}],
+                    "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                }]);
+                change(d);
+            });
+        };
+        let times = [0.0, 1.0];
+        let values = [0., 0., 0., 1., 2., 3.];
+        animation("animated-control", times, values, &|_| ());
+        animation("animated-backwards", [1.0, 0.0], values, &|_| ());
+        animation("animated-time-nan", [0.0, f32::NAN], values, &|_| ());
+        animation("animated-value-inf", times, [f32::INFINITY; 6], &|_| ());
+        animation("animated-values-far-apart", times, [-3e38, 0., 0., 3e38, 0., 0.], &|_| ());
+        let channel = |path: &'static str, key: &'static str, value: Value| {
+            move |d: &mut Value| d["animations"][0][path][0][key] = value.clone()
+        };
+        animation("animated-as-cubic", times, values, &channel("samplers", "interpolation", json!("CUBICSPLINE")));
+        animation("animated-by-magic", times, values, &channel("samplers", "interpolation", json!("MAGIC")));
+        animation("animated-input-of-vectors", times, values, &channel("samplers", "input", json!(0)));
+        animation("animated-output-of-indices", times, values, &channel("samplers", "output", json!(1)));
+        animation("animated-sampler-out-of-range", times, values, &channel("channels", "sampler", json!(4)));
+        let target = |node: i32, path: &str| channel("channels", "target", json!({"node": node, "path": path}));
+        animation("animated-node-out-of-range", times, values, &target(9, "translation"));
+        animation("animated-rotation-of-3", times, values, &target(0, "rotation"));
+        animation("animated-weights-of-3", times, values, &target(0, "weights"));
+        animation("animated-pointer", times, values, &target(0, "pointer"));
+        animation("animated-scale-0", times, [0.; 6], &target(0, "scale"));
+        animation("animated-matrix", times, values, &|d| {
+            d["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+        });
+        animation("animated-twice", times, values, &|d| {
+            let again = d["animations"][0].clone();
+            d["animations"].as_array_mut().unwrap().push(again);
+        });
+    }
+
+    fn instancing(&mut self) {
+        let mut many = |name: &str, translations: Value, count: usize, bytes: &[u8]| {
+            self.vary(name, |d| {
+                d["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+                let a = if bytes.is_empty() { 99 } else { accessor(d, bytes, 5126, "VEC3", count) };
+                let mut attributes = translations;
+                attributes["SCALE"] = json!(a);
+                d["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
+            });
+        };
+        let ones = 1f32.to_le_bytes().repeat(9);
+        many("instances-control", json!({"TRANSLATION": 0}), 3, &ones);
+        many("instances-of-two-numbers", json!({"TRANSLATION": 0}), 2, &ones[..24]);
+        many("instances-out-of-range", json!({}), 0, &[]);
+        many("instances-nan", json!({}), 3, &f32::NAN.to_le_bytes().repeat(9));
+        many("instances-of-scale-0", json!({}), 3, &[0; 36]);
+        many("instances-by-indices", json!({"TRANSLATION": 1}), 3, &ones);
+        self.vary("instances-without-attributes", |d| {
+            d["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"_ID": 0}}});
+        });
+        self.vary("instances-of-zeros", |d| {
+            d["accessors"]
+                .as_array_mut()
+                .unwrap()
+                .push(json!({"componentType": 5126, "count": 1 << 20, "type": "VEC3"}));
+            d["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}});
         });
     }
 

@@ -6,7 +6,7 @@ mod corpus;
 mod mutate;
 
 use crate::common::{check, write};
-use jerboa_scenes::Scene;
+use jerboa_scenes::{Limits, Scene, Selection};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -53,7 +53,10 @@ fn child() {
 
 /// What loading a file led to, in a few words, without the folder's name.
 fn outcome(file: &Path) -> String {
-    let text = match Scene::load(file) {
+    // Files of animations are looked at while they move.
+    let moves = file.file_name().is_some_and(|name| name.to_string_lossy().starts_with("animated"));
+    let selection = Selection { time: moves.then_some(0.5), ..Selection::default() };
+    let text = match Scene::load_selected(file, &selection, &Limits::default()) {
         Ok(scene) => {
             check(&scene);
             let warnings = scene.warnings.iter().map(|w| format!("; {w}"));

@@ -2,7 +2,7 @@
 
 use crate::common::{accessor, check, data_uri, glb, textured, write};
 use image::ImageFormat;
-use jerboa_scenes::Scene;
+use jerboa_scenes::{Error, Limits, Scene, Selection};
 use serde_json::{Value, json};
 use std::io::Cursor;
 use std::path::Path;
@@ -10,14 +10,14 @@ use std::path::Path;
 /// Loads the mutations of `count` seeds from `first` on; notes the seed at work in the file `seed`.
 pub fn run(first: u64, count: u64, folder: &Path) {
     let sound = Rich::new(&mut Random(first)).document();
-    let scene = Scene::load(write(folder, "sound.gltf", sound.to_string())).unwrap();
+    let scene = load(&write(folder, "sound.gltf", sound.to_string())).unwrap();
     check(&scene);
     assert!(scene.warnings.is_empty() && scene.environment.is_some(), "{:?}", scene.warnings);
     let mut loaded = 0;
     for seed in first..first + count {
         std::fs::write(folder.join("seed"), seed.to_string()).unwrap();
         let file = write(folder, "scene.gltf", mutation(&mut Random(seed)));
-        match Scene::load(file) {
+        match load(&file) {
             Ok(scene) => {
                 check(&scene);
                 loaded += 1;
@@ -28,6 +28,12 @@ pub fn run(first: u64, count: u64, folder: &Path) {
     println!("{loaded} of {count} loaded");
     // Were all refused, or none, the mutations would test little.
     assert!(count < 100 || (loaded > count / 20 && loaded < count * 19 / 20));
+}
+
+/// Halfway through its animation, and in a variant.
+fn load(file: &Path) -> Result<Scene, Error> {
+    let selection = Selection { time: Some(0.5), variant: Some("0".into()), ..Selection::default() };
+    Scene::load_selected(file, &selection, &Limits::default())
 }
 
 fn mutation(random: &mut Random) -> Vec<u8> {
@@ -166,6 +172,7 @@ impl Rich {
             "values": {"bufferView": 0},
         });
         d["meshes"][0]["primitives"][0]["attributes"] = json!({"POSITION": 0, "NORMAL": normals, "TEXCOORD_0": uv});
+        self.shapes(&mut d, normals);
         d["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071}]);
         d["textures"][0]["sampler"] = json!(0);
         let texture = json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2], "rotation": 1}}});
@@ -180,14 +187,45 @@ impl Rich {
             "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2},
         });
         d["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}, "extras": {"width": 8, "height": 8}}]);
-        d["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]}});
+        d["extensions"] = json!({
+            "KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]},
+            "KHR_materials_variants": {"variants": [{"name": "only"}]},
+        });
         d["nodes"] = json!([
             {"mesh": 0, "scale": [1, 2, 3], "children": [1, 2]},
             {"camera": 0, "translation": [1, 2, 3]},
-            {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0, "skin": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}},
         ]);
+        d["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": normals}}});
         d["scenes"][0]["extras"] = json!({"environment": {"uri": data_uri(&self.sky), "intensity": 2}});
         d
+    }
+
+    /// Morph targets, a skin, a variant, and an animation of two of them.
+    fn shapes(&self, d: &mut Value, vectors: usize) {
+        let joints = accessor(d, &[0; 12], 5121, "VEC4", 3);
+        let weights = accessor(d, &[128, 127, 0, 0].repeat(3), 5121, "VEC4", 3);
+        d["accessors"][weights]["normalized"] = json!(true);
+        let matrices = accessor(d, &self.vertices, 5126, "MAT4", 1);
+        let times = accessor(d, &[0.0, 1.0f32].map(f32::to_le_bytes).concat(), 5126, "SCALAR", 2);
+        let values = accessor(d, &self.vertices, 5126, "VEC3", 2);
+        let amounts = accessor(d, &self.vertices, 5126, "SCALAR", 6);
+        let primitive = &mut d["meshes"][0]["primitives"][0];
+        primitive["attributes"]["JOINTS_0"] = json!(joints);
+        primitive["attributes"]["WEIGHTS_0"] = json!(weights);
+        primitive["targets"] = json!([{"POSITION": vectors, "NORMAL": vectors}]);
+        primitive["extensions"] = json!({"KHR_materials_variants": {"mappings": [{"material": 0, "variants": [0]}]}});
+        d["skins"] = json!([{"joints": [0], "inverseBindMatrices": matrices}]);
+        d["animations"] = json!([{
+            "samplers": [
+                {"input": times, "output": values},
+                {"input": times, "output": amounts, "interpolation": "CUBICSPLINE"},
+            ],
+            "channels": [
+                {"sampler": 0, "target": {"node": 0, "path": "translation"}},
+                {"sampler": 1, "target": {"node": 0, "path": "weights"}},
+            ],
+        }]);
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use jerboa_backend_cranelift as cranelift;
 use jerboa_ir::lang::{Buf, Exit, F32, build};
-use jerboa_lib_render::camera::make_perspective_camera;
+use jerboa_lib_render::camera::make_camera;
 use jerboa_lib_render::core::color::Color;
 use jerboa_lib_render::core::vec::Vec3;
 use jerboa_lib_render::device::cpu::trace_with;
@@ -132,7 +132,7 @@ impl Kernel {
             if is(Variant::MoellerTrumbore) { TriangleTest::MoellerTrumbore } else { TriangleTest::Watertight };
         let program = build(|| {
             declare_all();
-            let tracer = make_path_tracer(make_perspective_camera());
+            let tracer = make_path_tracer(make_camera());
             let tracer = if is(Variant::AbsoluteStart) { with_absolute_starts(tracer) } else { tracer };
             // What replaces a part of the walk is to be compared with the copy that it replaces it in.
             let own = matches!(variant, Variant::MoellerTrumbore | Variant::PlainBoxes | Variant::All);
