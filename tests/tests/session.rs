@@ -8,7 +8,7 @@ use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::host::session::{Picture, Session};
-use jerboa_scenes::{Material, Scene, TextureSource, Volume};
+use jerboa_scenes::{Lens, Material, Scene, TextureSource, Volume};
 
 const SIZE: [u32; 2] = [40, 32];
 
@@ -130,7 +130,7 @@ fn edits_of_every_part_are_as_if_it_had_been_so() {
     scene.lights[0].intensity[1] *= 0.25;
     let edit = session.set_light(0, scene.lights[0].clone());
     let mut camera = scene.camera_or_default();
-    camera.yfov *= 0.8;
+    camera.lens = Lens::Pinhole { yfov: 1.6 * camera.half_height().atan() };
     scene.cameras = vec![camera.clone()];
     let both = session.set_camera(camera);
     let picture = session.wait(both, 2).unwrap_or_else(|e| panic!("{e}"));
