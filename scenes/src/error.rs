@@ -138,8 +138,14 @@ impl Error {
                 file.display()
             ),
             Error::Extension { file, name } => format!(
-                "{}: extensionsRequired: {name} is required but unknown to Jerboa; export without it",
-                file.display()
+                "{}: extensionsRequired: {name} is required but unknown to Jerboa; {}",
+                file.display(),
+                match name.as_str() {
+                    "EXT_meshopt_compression" | "KHR_meshopt_compression" =>
+                        "export without mesh compression, or with Draco's",
+                    "KHR_texture_basisu" => "export textures as PNG, JPEG or WebP",
+                    _ => "export without it",
+                }
             ),
             Error::Limit { file, path, what, limit } => {
                 let colon = if path.is_empty() { "" } else { ": " };

@@ -43,7 +43,8 @@
 //!   `{aperture, focus}` and the angle of a `{fisheye}`: see [`Lens`].
 //! - **Wavefront OBJ**: polygons with texture coordinates and normals; MTL with diffuse, Phong, mirror, glass and light, and
 //!   metalness and roughness where a library has them.
-//! - KHR_mesh_quantization. Any other extension is an error where the file *requires* it, else a warning.
+//! - KHR_mesh_quantization, KHR_draco_mesh_compression. Any other extension is an error where the file *requires* it, else a
+//!   warning.
 //!
 //! # What is ignored, and why
 //!

@@ -65,7 +65,7 @@ struct Sparse<'a> {
 impl<'a> Loader<'a> {
     /// The accessor that the index at `reference` points to.
     pub fn accessor(&mut self, reference: &Json<'a>) -> Result<Accessor<'a>, Error> {
-        let (_, at) = reference.refer(&self.root, "accessors", "accessors")?;
+        let (index, at) = reference.refer(&self.root, "accessors", "accessors")?;
         let count = at.need("count")?.integer()?;
         if count == 0 {
             return Err(at.need("count")?.fault("0 elements; at least 1 is required"));
@@ -73,13 +73,17 @@ impl<'a> Loader<'a> {
         let width = at.need("type")?.word::<ElementType>()?.multiplicity();
         let GenericComponentType(component) = at.need("componentType")?.word()?;
         let size = width * component.size();
-        let dense = match at.get("bufferView") {
-            Some(_) => Some(self.elements(&at, count, size, true)?),
-            None if count > self.limits.zero_elements => {
+        let dense = match (self.decoded.get(&index), at.get("bufferView")) {
+            (Some(bytes), _) if (bytes.len() as u64) < count.saturating_mul(size as u64) => {
+                return Err(at.fault(format!("{count} elements, but {} bytes in the Draco stream", bytes.len())));
+            }
+            (Some(bytes), _) => Some(Elements { bytes: bytes.clone(), start: 0, stride: size }),
+            (None, Some(_)) => Some(self.elements(&at, count, size, true)?),
+            (None, None) if count > self.limits.zero_elements => {
                 let limit = format!("{} (zero_elements)", self.limits.zero_elements);
                 return Err(at.limit_fault(format!("{count} elements without a bufferView"), limit));
             }
-            None => None,
+            (None, None) => None,
         };
         let sparse = at.get("sparse").map(|s| self.sparse(&s, count, size)).transpose()?;
         let normalized = at.flag("normalized")?;

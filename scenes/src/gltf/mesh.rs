@@ -38,6 +38,8 @@ impl<'a> Loader<'a> {
             warn(&mut self.scene.warnings, &at.path, "a primitive of points, of lines or without POSITION is left out");
             return Ok(None);
         }
+        self.decoded.clear();
+        self.decompress(at, mode)?;
         let mut mesh = Mesh { name, ..self.vertices(&attributes)? };
         self.deform(at, &mut mesh, shape)?;
         let corners = self.corners(at, mesh.positions.len())?;

@@ -10,6 +10,7 @@ mod buffer;
 mod camera;
 mod container;
 mod deform;
+mod draco;
 mod environment;
 mod folder;
 mod json;
@@ -38,6 +39,7 @@ use std::rc::Rc;
 const EXTENSIONS: [&str; 13] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -60,6 +62,8 @@ struct Loader<'a> {
     quantized: bool,
     scene: Scene,
     buffers: HashMap<usize, Bytes<'a>>,
+    /// Bytes of the accessors of the primitive at work that were in a Draco stream.
+    decoded: HashMap<usize, Bytes<'a>>,
     /// The chosen variant of materials.
     variant: Option<usize>,
     /// What animations set, by node.
@@ -103,6 +107,7 @@ pub(crate) fn load(file: &Path, selection: &Selection, limits: &Limits) -> Resul
         scene,
         variant,
         buffers: HashMap::new(),
+        decoded: HashMap::new(),
         poses: HashMap::new(),
         world: HashMap::new(),
         skins: HashMap::new(),

@@ -2,6 +2,7 @@
 
 mod builtin;
 mod common;
+mod compressed;
 mod hostile;
 mod lobes;
 mod messages;

@@ -42,10 +42,11 @@ fn child() {
             let outcome = outcome(Path::new(file));
             std::fs::write(format!("{file}.outcome"), outcome).unwrap();
         }
-        Some(("mutate", rest)) => {
+        Some((kind @ ("mutate" | "streams"), rest)) => {
             let numbers: Vec<u64> = rest.split(' ').take(2).map(|n| n.parse().unwrap()).collect();
             let folder = rest.splitn(3, ' ').nth(2).unwrap();
-            mutate::run(numbers[0], numbers[1], Path::new(folder));
+            let run = if kind == "mutate" { mutate::run } else { mutate::run_streams };
+            run(numbers[0], numbers[1], Path::new(folder));
         }
         _ => panic!("unknown errand {errand}"),
     }
@@ -102,6 +103,16 @@ fn every_hostile_file_has_its_outcome() {
 /// Sound files with a few random faults. `JERBOA_MUTATIONS` sets their number, `JERBOA_SEED` the first seed.
 #[test]
 fn mutated_files_do_no_harm() {
+    mutated("mutate");
+}
+
+/// And sound Draco streams.
+#[test]
+fn mutated_streams_do_no_harm() {
+    mutated("streams");
+}
+
+fn mutated(kind: &str) {
     let number = |name: &str, default: u64| std::env::var(name).map_or(default, |n| n.parse().unwrap());
     let (seed, count) = (number("JERBOA_SEED", 1), number("JERBOA_MUTATIONS", 2000));
     println!("seeds {seed} to {}", seed + count - 1);
@@ -110,7 +121,7 @@ fn mutated_files_do_no_harm() {
     for first in (seed..seed + count).step_by(BATCH as usize) {
         let folder = tempfile::tempdir().unwrap();
         let size = BATCH.min(seed + count - first);
-        if let Err(complaint) = in_child(&format!("mutate {first} {size} {}", folder.path().display()), 60) {
+        if let Err(complaint) = in_child(&format!("{kind} {first} {size} {}", folder.path().display()), 60) {
             let at = std::fs::read_to_string(folder.path().join("seed")).unwrap_or_default();
             panic!("JERBOA_SEED={at} JERBOA_MUTATIONS=1: {complaint}");
         }

@@ -1,6 +1,7 @@
 //! Random faults in a sound file that uses nearly everything.
 
 use crate::common::{accessor, check, data_uri, glb, textured, write};
+use crate::compressed::{packed, stream};
 use image::ImageFormat;
 use jerboa_scenes::{Error, Limits, Scene, Selection};
 use serde_json::{Value, json};
@@ -28,6 +29,24 @@ pub fn run(first: u64, count: u64, folder: &Path) {
     println!("{loaded} of {count} loaded");
     // Were all refused, or none, the mutations would test little.
     assert!(count < 100 || (loaded > count / 20 && loaded < count * 19 / 20));
+}
+
+/// Likewise, of Draco streams alone.
+pub fn run_streams(first: u64, count: u64, folder: &Path) {
+    let whole = [1, 2, 5].map(|n| [0, 5, 10].map(|speed| (n, stream(n, speed))));
+    for seed in first..first + count {
+        std::fs::write(folder.join("seed"), seed.to_string()).unwrap();
+        let mut random = Random(seed);
+        let (n, mut bytes) = whole[random.below(3)][random.below(3)].clone();
+        (0..1 + random.below(4)).for_each(|_| flip(&mut bytes, &mut random));
+        if random.below(8) == 0 {
+            bytes.truncate(1 + random.below(bytes.len()));
+        }
+        match Scene::load(write(folder, "scene.gltf", packed(n, &bytes).to_string())) {
+            Ok(scene) => check(&scene),
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        }
+    }
 }
 
 /// Halfway through its animation, and in a variant.
