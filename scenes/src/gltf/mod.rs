@@ -36,7 +36,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 /// The extensions that are read. Any other is an error where the file requires it, else a warning.
-const EXTENSIONS: [&str; 13] = [
+const EXTENSIONS: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
