@@ -118,11 +118,16 @@ fn they_agree_on_smooth_normals() {
     }
 }
 
-/// Rough glass scatters into all directions, so both sides can be connected there.
+/// Rough glass scatters into all directions, so both sides can be connected there, within it too.
 #[test]
 fn they_agree_on_rough_glass() {
     let scene = under_lamp(smooth_ball(2), glass(0.5));
     assert_eq!(disagreements("rough glass", &scene, &LIGHT_SIDES, 16, None), [""; 0]);
+    let mut amber = glass(0.5);
+    let volume = amber.volume.as_mut().expect("glass has an inside");
+    (volume.attenuation_distance, volume.attenuation_color) = (0.3, [0.8, 0.5, 0.1]);
+    let scene = under_lamp(smooth_ball(2), amber);
+    assert_eq!(disagreements("amber", &scene, &LIGHT_SIDES, 16, None), [""; 0]);
 }
 
 /// Smooth glass cannot be connected with: its light is found by the paths that pass it.

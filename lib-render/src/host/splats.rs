@@ -4,7 +4,8 @@
 //! threads change a bit. The paths of all pixels are traced, whatever the window: light of any of them may fall into it. A
 //! pass is whole or absent, since half of one would be darker all over.
 
-use jerboa_ir::lang::{Buf, Col, U32};
+use jerboa_ir::lang::Buf;
+use jerboa_scenes::Camera;
 use rayon::prelude::*;
 
 use super::error::Error;
@@ -15,7 +16,6 @@ use super::scalar;
 use super::tables::{Pass, Tables};
 use super::work::Tiles;
 use crate::schema::Pixels;
-use jerboa_scenes::Camera;
 
 /// Words of a row of sums.
 const ROW: usize = Pixels::COLUMNS.len();
@@ -64,8 +64,8 @@ pub(super) fn buffer(window: Window) -> Result<Vec<u32>, Error> {
 
 /// Add what a thread has summed.
 fn add(film: &mut Film, width: u32, splats: &[u32]) {
-    let at = |row: &[u32], column: Col<Pixels, U32>| row[column.0 as usize];
+    let dropped = Pixels::DROPPED.0 as usize;
     for (pixel, row) in (0..).zip(splats.chunks(ROW)) {
-        film.add_sum([pixel % width, pixel / width], sums(row), 0, at(row, Pixels::DROPPED));
+        film.add_sum([pixel % width, pixel / width], sums(row), 0, row[dropped]);
     }
 }

@@ -401,7 +401,10 @@ pub fn connect(
     let cos = surf.face_cos(wi).abs();
     let on_eye = walk.reaching(ray, hit, surf).others(far.forward * cos / squared, back);
     let weight = 1.0 / (1.0 + on_light + on_eye);
-    let carried = arriving(b, path, hit).absorb(f_cos).absorb(far.f).absorb(light.light);
+    let between =
+        RayState { throughput: arriving(b, path, hit), absorption: absorption_along(path, surf, mat, wo, wi), ..path };
+    let carried = arriving(b, between, Hit { t: far.distance, ..light.hit });
+    let carried = carried.absorb(f_cos).absorb(far.f).absorb(light.light);
     let carried = carried * (weight * far.cos / squared);
     let target = DirectLightSample {
         wi,
