@@ -107,6 +107,9 @@ impl Device {
 
     /// The device for these tables, and the wall times of specialisation and of code generation.
     pub(super) fn made(tables: &Tables, options: &Options) -> Result<(Device, Duration, Duration), Error> {
+        if options.tracer.is_splatting() && tables.camera != CameraKind::Pinhole {
+            return Err(Error::new("paths from lights end in pinholes only: choose another camera or tracer"));
+        }
         let requests = options.device.requests(tables, options.tracer);
         if options.device.is_gpu() {
             let machine = RealMachine::new(tables, &requests, options.keep)?;
@@ -193,10 +196,6 @@ impl Renderer {
         let lay_out = || (Tables::walked(scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
         let ((tables, laid_out), _) = rayon::join(lay_out, || generic_of(options.device, options.tracer));
-        let from_lights = matches!(options.tracer, TracerKind::Light | TracerKind::Bidirectional);
-        if from_lights && tables.camera != CameraKind::Pinhole {
-            return Err(Error::new("paths from lights end in pinholes only: choose another camera or tracer"));
-        }
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
         let waited = laid_out.elapsed();
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;

@@ -26,7 +26,7 @@ pub struct Splat {
 }
 impl_staged!(Splat { pixel, light });
 
-/// A pinhole and its film.
+/// A pinhole and its film. (The host refuses cameras of other kinds to the tracers that ask for one.)
 #[derive(Clone, Copy)]
 pub struct Lens {
     eye: Vec3,
