@@ -20,7 +20,7 @@
 //! | 4.6 Renderers | [`tracer`] | [`tracer::Tracer`] |
 //! | 4.7 Devices | [`device`] | [`device::Device`] |
 //!
-//! [`schema`] declares the tables. [`host`] is what runs before and after: it lays scenes out, specialises, compiles, keeps
+//! [`components`] lists what scenes may name, a user's crate's own too; [`schema`] declares the tables. [`host`] is what runs before and after: it lays scenes out, specialises, compiles, keeps
 //! the film. Component files import the embedded language and each other, never the host: so no component can look at a
 //! scene while the program is built, and what a scene does not use is not in its residual.
 //!
@@ -46,6 +46,7 @@
 //! ```
 
 pub mod schema;
+pub mod components;
 pub mod core;
 pub mod ray;
 pub mod image;

@@ -3,6 +3,7 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, Staged, U32};
 
+use crate::components::{Components, Numbers};
 use crate::core::cdf::invert;
 use crate::core::color::{Color, color};
 use crate::core::rng::Rng;
@@ -101,9 +102,26 @@ pub fn with_light<T: Staged>(b: &mut Block, index: U32, body: impl Fn(&mut Block
                 (LIGHT_TRIANGLE, &|b| body(b, area::make_triangle_light(row))),
                 (LIGHT_QUAD, &|b| body(b, area::make_quad_light(row))),
             ],
-            |b| body(b, environment::make_environment_light(row)),
+            |b| own_or_environment(b, row, 0, &body),
         )
     })
+}
+
+/// Do it with the light of a user's crate whose row it is, from this one on, or else the environment.
+fn own_or_environment<T: Staged>(
+    b: &mut Block,
+    row: Row<Lights>,
+    own: u32,
+    body: &impl Fn(&mut Block, Light) -> T,
+) -> T {
+    let Some(light) = Components::current().lights().get(own as usize).copied() else {
+        return body(b, environment::make_environment_light(row));
+    };
+    b.if_(
+        row.get(Lights::KIND).eq(LIGHT_OWN + own),
+        |b| body(b, (light.make)(row, Numbers(row.get(Lights::NUMBERS)))),
+        |b| own_or_environment(b, row, own + 1, body),
+    )
 }
 
 /// Density with which light sampling finds a point of an area light (a row of `Lights`), per square metre, the choice of
@@ -121,21 +139,21 @@ pub fn hit_pdf(pdf_area: F32, distance: F32, cos: F32) -> F32 {
 }
 
 /// Position, or first corner.
-fn position(row: Row<Lights>) -> Vec3 {
+pub fn position(row: Row<Lights>) -> Vec3 {
     vec3(row.get(Lights::P_X), row.get(Lights::P_Y), row.get(Lights::P_Z))
 }
 
 /// First edge, or direction.
-fn first_edge(row: Row<Lights>) -> Vec3 {
+pub fn first_edge(row: Row<Lights>) -> Vec3 {
     vec3(row.get(Lights::E1_X), row.get(Lights::E1_Y), row.get(Lights::E1_Z))
 }
 
 /// Radiance, intensity or irradiance.
-fn strength(row: Row<Lights>) -> Color {
+pub fn strength(row: Row<Lights>) -> Color {
     color(row.get(Lights::R), row.get(Lights::G), row.get(Lights::B))
 }
 
 /// The `emission` of a light that no ray hits.
-fn unseen() -> Fun<(Vec3, Vec2), EmissionValue> {
+pub fn unseen() -> Fun<(Vec3, Vec2), EmissionValue> {
     Fun::lam(|_, _| EmissionValue { intensity: crate::core::color::black(), pdf_area: 0.0.into(), pdf_dir: 0.0.into() })
 }

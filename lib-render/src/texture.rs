@@ -2,10 +2,11 @@
 
 use jerboa_ir::lang::{Block, Fun, Row};
 
+use crate::components::{Components, Numbers};
 use crate::core::color::{Color, color};
 use crate::core::vec::{Vec2, vec2};
 use crate::image::{Texel, make_image, make_image_filter};
-use crate::schema::{TEXTURE_CHECKERBOARD, Textures};
+use crate::schema::{TEXTURE_CHECKERBOARD, TEXTURE_OWN, Textures};
 
 /// Texture coordinates → value.
 pub type Texture = Fun<Vec2, Texel>;
@@ -27,9 +28,24 @@ pub fn make_texture(row: Row<Textures>) -> Texture {
     let (image, filter) = (make_image(row), make_image_filter(row));
     Texture::lam(|b, uv| {
         let uv = transform(b, row, uv);
-        let is_checkerboard = row.get(Textures::KIND).eq(TEXTURE_CHECKERBOARD);
-        b.if_(is_checkerboard, |b| checkerboard.call(b, uv), |b| filter.call(b, (image, uv)))
+        let kind = row.get(Textures::KIND);
+        let looked_up = |b: &mut Block| {
+            b.if_(kind.eq(TEXTURE_CHECKERBOARD), |b| checkerboard.call(b, uv), |b| filter.call(b, (image, uv)))
+        };
+        own_or(b, row, uv, 0, looked_up)
     })
+}
+
+/// What the texture of a user's crate gives whose row it is, from this one on, or else the other.
+fn own_or(b: &mut Block, row: Row<Textures>, uv: Vec2, own: u32, other: impl FnOnce(&mut Block) -> Texel) -> Texel {
+    let Some(texture) = Components::current().textures().get(own as usize).copied() else {
+        return other(b);
+    };
+    b.if_(
+        row.get(Textures::KIND).eq(TEXTURE_OWN + own),
+        |b| (texture.make)(Numbers(row.get(Textures::NUMBERS))).call(b, uv),
+        |b| own_or(b, row, uv, own + 1, other),
+    )
 }
 
 /// What the texture gives at a surface with these two sets of coordinates.

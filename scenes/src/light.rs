@@ -17,6 +17,8 @@ pub enum LightKind {
     },
     /// From infinitely far; intensity in lux (irradiance on a plane facing it, W·m⁻² up to the scene's scale).
     Directional,
+    /// A light of a user's crate, by its place in [`Scene::own`](crate::Scene::own).
+    Own(usize),
 }
 
 /// A punctual light. The extension's `range` is ignored: light falls off with the inverse square and nothing else.

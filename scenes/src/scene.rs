@@ -25,6 +25,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Lights without a surface.
     pub lights: Vec<Light>,
+    /// What textures and lights of a user's crate are called, and the numbers they take. No file has them.
+    pub own: Vec<Model>,
     /// Light from infinitely far.
     pub environment: Option<Environment>,
     /// What was repaired or left out while loading.

@@ -39,6 +39,8 @@ pub enum TextureSource {
         /// Linear RGB of its neighbours.
         odd: [f32; 3],
     },
+    /// A texture of a user's crate, by its place in [`Scene::own`](crate::Scene::own). Wrap and filter do not apply.
+    Own(usize),
 }
 
 /// A texture as a material refers to it.

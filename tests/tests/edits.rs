@@ -85,7 +85,7 @@ fn changed_lights_and_textures_need_no_compilation() {
     let image = |s: &Scene| {
         let found = s.textures.iter().enumerate().find_map(|(i, t)| match t.source {
             TextureSource::Image(image) => Some((i, image)),
-            TextureSource::Checkerboard { .. } => None,
+            _ => None,
         });
         found.expect("it has an image")
     };

@@ -13,6 +13,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("scenes", &[]),
     ("lib-render", &["ir", "peval", "backend-cranelift", "backend-spirv", "scenes"]),
     ("tests", &["ir", "peval", "backend-cranelift", "backend-spirv", "scenes", "lib-render"]),
+    ("examples/custom", &["ir", "scenes", "lib-render"]),
 ];
 
 /// Folders of `lib-render/src` that hold its host half. The rest are component files, but for the front page.

@@ -5,12 +5,13 @@
 //! there are. With times: `cargo run --release -p jerboa-tests --bin compile`.
 
 use jerboa_ir::hash::hash;
+use jerboa_ir::print;
 use jerboa_lib_render::host::device::{DeviceKind, MOST_CLASSES};
 use jerboa_lib_render::host::film::Window;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residual};
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables};
-use jerboa_scenes::Scene;
+use jerboa_scenes::{Model, Scene};
 use jerboa_tests::harness::bench::number;
 use jerboa_tests::harness::many::{lights, line, materials, most_shaders, shaders, textures};
 
@@ -40,6 +41,26 @@ fn rows_of_one_structure_cost_nothing() {
             assert!(residuals(&build(n), Known::Structure) == of_few, "{n} {what} are not as {few}");
         }
     }
+}
+
+/// Also where a kernel does not know the material, there is no model in it that no material has.
+#[test]
+fn the_kernel_of_the_rest_has_the_models_of_the_scene_alone() {
+    let rest = |scene: &Scene| {
+        let tables = Tables::new(scene, &Choices::default(), Known::Structure);
+        let request = DeviceKind::Cpu.requests(&tables, TracerKind::Path).pop().expect("there are kernels");
+        assert_eq!(request.name, "shade");
+        let made = residual(&tables, &request, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+        let text = print(&made.program);
+        text[text.find("\nfun ").expect("a residual has a function")..].to_string()
+    };
+    let mut scene = shaders(MOST_CLASSES as usize + 1);
+    let words = ["Materials.MODEL", "Parameters.VALUE", "Materials.FIRST", "Models.USED"];
+    let text = rest(&scene);
+    assert!(words.iter().all(|word| !text.contains(word)));
+    scene.materials[0].model = Some(Model::named("phong"));
+    let text = rest(&scene);
+    assert_eq!(words.map(|word| text.contains(word)), [true, true, false, false]);
 }
 
 #[test]

@@ -141,7 +141,7 @@ fn edits_of_every_part_are_as_if_it_had_been_so() {
     let session = start(&scene, LONG);
     let image = |i: usize| match scene.textures[i].source {
         TextureSource::Image(image) => Some((i, image)),
-        TextureSource::Checkerboard { .. } => None,
+        _ => None,
     };
     let (number, image) = (0..scene.textures.len()).find_map(image).expect("it has an image");
     scene.images[image].rgba.iter_mut().for_each(|texel| texel.swap(0, 2));

@@ -11,8 +11,9 @@ use jerboa_ir::lang::{Bool, F32};
 
 use crate::bsdf::frame::shading_cos;
 use crate::bsdf::gloss::Gloss;
-use crate::bsdf::models::{Model, Parameter};
+use crate::bsdf::models::Model;
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
+use crate::components::Parameter;
 use crate::core::color::{Color, black};
 use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
@@ -26,7 +27,7 @@ pub const MODEL: Model = Model {
     ],
     has_parts: false,
     make: |b, site| {
-        let metal = Metal { eta: site.color(0), k: site.color(3), tint: site.base };
+        let metal = Metal { eta: site.numbers().color(0), k: site.numbers().color(3), tint: site.base };
         let (alpha, smooth) = site.alpha(b);
         make_conductor_bsdf(site.surf, metal, alpha, smooth)
     },

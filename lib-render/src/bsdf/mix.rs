@@ -11,8 +11,9 @@
 use jerboa_ir::lang::{Block, F32};
 
 use crate::bsdf::frame::shading_cos;
-use crate::bsdf::models::{Model, Parameter};
+use crate::bsdf::models::Model;
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
+use crate::components::Parameter;
 use crate::core::rng::{DIM_BLEND, DIM_BSDF, Rng};
 use crate::geometry::SurfaceElement;
 use crate::schema::Materials;
@@ -28,7 +29,7 @@ pub const MODEL: Model = Model {
             let parts = [Materials::FIRST, Materials::SECOND].map(|which| site.part(b, which));
             // A part may draw as many numbers as a BSDF has.
             let draw = |rng: Rng| (rng.ahead(DIM_BLEND - DIM_BSDF).next().0, rng);
-            mixed(site.surf, parts, site.number(0) * site.base.r, draw)
+            mixed(site.surf, parts, site.numbers().number(0) * site.base.r, draw)
         };
         Bsdf {
             eval: EvalFn::lam(|b, w| mix(b).eval.call(b, w)),

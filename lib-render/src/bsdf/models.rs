@@ -10,11 +10,12 @@ use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row};
 
 use crate::bsdf::gltf::make_gltf_bsdf;
 use crate::bsdf::{Bsdf, conductor, dielectric, mirror, mix, phong, plastic, rough_diffuse, thin_glass};
-use crate::core::color::{Color, color};
+use crate::components::{Components, Numbers, Parameter};
+use crate::core::color::Color;
 use crate::geometry::SurfaceElement;
 use crate::lobes::make_layers;
 use crate::material::{base_color, gltf_values, is_smooth};
-use crate::schema::{Materials, Models, Parameters};
+use crate::schema::{Materials, Models};
 use crate::texture::look_up;
 
 /// A model of scattering.
@@ -22,7 +23,7 @@ use crate::texture::look_up;
 pub struct Model {
     /// What materials call it.
     pub name: &'static str,
-    /// The numbers it takes beside those of glTF's materials, in the order in which [`Site::number`] counts them.
+    /// The numbers it takes beside those of glTF's materials, in the order in which [`Site::numbers`] counts them.
     pub parameters: &'static [Parameter],
     /// Is it made of two other materials?
     pub has_parts: bool,
@@ -32,17 +33,6 @@ pub struct Model {
 
 /// A constructor of BSDFs. It runs while the generic program is built.
 pub type MakeBsdf = fn(&mut Block, Site) -> Bsdf;
-
-/// Numbers that a model takes, under one name.
-#[derive(Clone, Copy, Debug)]
-pub struct Parameter {
-    /// What materials call them.
-    pub name: &'static str,
-    /// As many as there are, with the values they have where a material says nothing.
-    pub default: &'static [f32],
-    /// Smallest and largest value.
-    pub range: (f32, f32),
-}
 
 /// glTF's own model, of a material that names no other.
 const GLTF: Model = Model {
@@ -89,14 +79,9 @@ pub struct Site {
 type AloneFn = Fun<(Row<Materials>, Color), Bsdf>;
 
 impl Site {
-    /// The material's number of this place among those that its model takes.
-    pub fn number(self, place: u32) -> F32 {
-        number(self.row, place)
-    }
-
-    /// Three numbers in a row.
-    pub fn color(self, first: u32) -> Color {
-        color(self.number(first), self.number(first + 1), self.number(first + 2))
+    /// The numbers that the model takes.
+    pub fn numbers(self) -> Numbers {
+        numbers(self.row)
     }
 
     /// The material's roughness, by its texture too.
@@ -128,9 +113,9 @@ impl Site {
     }
 }
 
-/// A number of a material's model.
-pub fn number(row: Row<Materials>, place: u32) -> F32 {
-    Row::<Parameters>::at(row.get(Materials::NUMBERS).index() + place).get(Parameters::VALUE)
+/// The numbers of a material's model.
+pub fn numbers(row: Row<Materials>) -> Numbers {
+    Numbers(row.get(Materials::NUMBERS))
 }
 
 /// The BSDF of a material at a point, whatever its model. The surface is given without the normal map, and with it.
@@ -140,7 +125,8 @@ pub fn make_bsdf(
     (plain, surf): (SurfaceElement, SurfaceElement),
     base: Color,
 ) -> Bsdf {
-    let all = || MODELS.iter().zip(0u32..);
+    let components = Components::current();
+    let all = || components.models().iter().zip(0u32..);
     let make = |b: &mut Block, (model, number): (&Model, u32), site: Site| {
         let is_chosen = Row::<Models>::at(number).get(Models::USED) & site.row.get(Materials::MODEL).eq(number);
         (is_chosen, (model.make)(b, Site { is_chosen, ..site }))

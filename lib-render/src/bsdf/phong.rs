@@ -14,8 +14,9 @@ use jerboa_ir::lang::{Bool, F32};
 use crate::bsdf::diffuse::make_diffuse_bsdf;
 use crate::bsdf::frame::{Side, reflect, shading_cos};
 use crate::bsdf::mix::make_mix_bsdf;
-use crate::bsdf::models::{Model, Parameter};
+use crate::bsdf::models::Model;
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
+use crate::components::Parameter;
 use crate::core::color::{Color, black};
 use crate::core::math::{exp, exp_m1, log, log1p};
 use crate::core::rng::Rng;
@@ -34,7 +35,7 @@ pub const MODEL: Model = Model {
         Parameter { name: "ns", default: &[10.0], range: (0.0, f32::MAX) },
     ],
     has_parts: false,
-    make: |_, site| make_mixed_phong_bsdf(site.surf, site.base, site.color(0), site.number(3)),
+    make: |_, site| make_mixed_phong_bsdf(site.surf, site.base, site.numbers().color(0), site.numbers().number(3)),
 };
 
 /// Diffuse and Phong lobe, mixed by the luminance of their colours, as the paper's shader does.

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use jerboa_scenes::{Camera, Limits, Scene, Selection};
 
 use super::args::{DeviceArg, KnownArg, RenderArgs, SelectArgs, ShadingNormalsArg, TraversalArg};
-use crate::bsdf::models::MODELS;
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::gpu;
+use crate::host::library::Library;
 use crate::host::tables::models::check_models;
 use crate::host::tables::{CameraKind, Choices, Known};
 
@@ -56,7 +56,7 @@ pub fn load_selected(path: &str, select: &SelectArgs) -> Result<(Scene, Duration
     let selection = Selection { scene: scene_of_file, variant, time, animation };
     let start = Instant::now();
     let scene = Scene::load_selected(path, &selection, &Limits::default()).map_err(|e| Error::new(e.to_string()))?;
-    check_models(&scene, MODELS)?;
+    check_models(&scene, Library::standard().components())?;
     let time = start.elapsed();
     for warning in scene.all_warnings() {
         eprintln!("jerboa: warning: {warning}");

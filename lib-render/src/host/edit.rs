@@ -17,7 +17,6 @@ use super::generate::{Generated, Request, generate};
 use super::renderer::{Device, Options, Renderer};
 use super::tables::models::check_models;
 use super::tables::{Change, Tables};
-use crate::bsdf::models::MODELS;
 
 /// A part of a scene that can be changed: its kind, and its place in the scene's list.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -121,7 +120,7 @@ impl Renderer {
                 if let Some(texture) = textures(new).find(|t| *t >= scene.textures.len()) {
                     return missing("texture", texture, scene.textures.len());
                 }
-                check_models(scene, MODELS)?;
+                check_models(scene, self.tables.library.components())?;
                 // A surface that shines, or did, is a light.
                 Ok(Change { lights: new.is_emissive() || self.tables.is_emissive(number), texels: false })
             }

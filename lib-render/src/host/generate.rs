@@ -1,9 +1,10 @@
 //! From tables to kernels: build the generic program once, specialise it, compile what is left.
 //!
 //! The generic program is the same for every scene (Law 1). It is built when it is first needed and shared by all threads.
-//! There are four, so that nobody waits for the entries of a GPU, or of tracers other than the [`TracerKind::COMMON`] ones, who asks for none.
+//! There are several, so that nobody waits for the entries of a GPU, or of tracers other than the [`TracerKind::COMMON`] ones, who
+//! asks for none: see [`super::library`].
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use jerboa_backend_cranelift as clif;
@@ -16,15 +17,17 @@ use super::clock::thread_time;
 use super::code_cache::compile;
 use super::device::DeviceKind;
 use super::error::Error;
+use super::library::Library;
 use super::tables::Tables;
-use crate::camera::make_camera;
-use crate::device::Device;
+use crate::camera::{CameraFn, make_camera};
+use crate::components::Components;
 use crate::device::both::trace_both;
 use crate::device::cpu::{make_cpu_device, trace_light};
 use crate::device::megakernel::make_megakernel_device;
 use crate::device::stream::make_stream_device;
 use crate::device::wavefront::make_wavefront_device;
 use crate::schema::declare_all;
+use crate::tracer::Tracer;
 use crate::tracer::aov::{Aov, make_aov_tracer};
 use crate::tracer::bidirectional::{make_eye_tracer, make_light_side_tracer};
 use crate::tracer::debug::{Show, make_debug_tracer};
@@ -54,10 +57,12 @@ pub enum TracerKind {
     AovNormal,
     /// For layers of a file: see [`Aov::Place`].
     AovPlace,
+    /// What a tracer of this name shows that a user's crate has registered.
+    Own(&'static str),
 }
 
 impl TracerKind {
-    /// All of them.
+    /// All of the library's.
     pub const ALL: [TracerKind; 9] = [
         TracerKind::Path,
         TracerKind::Normals,
@@ -112,44 +117,71 @@ impl TracerKind {
             TracerKind::Occlusion => "occlusion",
             TracerKind::AovNormal => "aov_normal",
             TracerKind::AovPlace => "aov_place",
+            TracerKind::Own(name) => name,
         }
     }
 }
 
-/// Every entry of the CPU's devices over the common tracers, for all scenes.
-pub fn every_entry() -> Program {
-    every_entry_of(&CPU, &TracerKind::COMMON, || ())
+/// Tracers whose entries are in one generic program.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Entries {
+    /// [`TracerKind::COMMON`].
+    Common,
+    /// The library's others.
+    Rare,
+    /// Those of a user's crate.
+    Own,
 }
 
-/// Every entry of the GPU's devices, likewise.
-pub fn every_gpu_entry() -> Program {
-    every_entry_of(&GPU, &TracerKind::COMMON, || ())
+impl Entries {
+    /// All of them.
+    pub const ALL: [Entries; 3] = [Entries::Common, Entries::Rare, Entries::Own];
+
+    /// Those with this tracer.
+    pub fn of(tracer: TracerKind) -> Entries {
+        match tracer {
+            TracerKind::Own(_) => Entries::Own,
+            _ if TracerKind::COMMON.contains(&tracer) => Entries::Common,
+            _ => Entries::Rare,
+        }
+    }
 }
 
-const CPU: [fn() -> Device; 2] = [make_cpu_device, make_stream_device];
-const GPU: [fn() -> Device; 2] = [make_megakernel_device, make_wavefront_device];
-
-/// The entries of these devices over these tracers, and `more`.
-fn every_entry_of(devices: &[fn() -> Device], tracers: &[TracerKind], more: impl FnOnce()) -> Program {
-    build(|| {
+/// The generic program of these components: every entry of the CPU's or the GPU's devices over some tracers, for all scenes.
+pub fn program(components: &Components, gpu: bool, entries: Entries) -> Program {
+    let author = || {
         declare_all();
         let camera = make_camera();
-        let devices: Vec<Device> = devices.iter().map(|make| make()).collect();
-        for kind in tracers {
-            let tracer = match kind {
-                TracerKind::Path => make_path_tracer(camera),
-                TracerKind::Normals => make_debug_tracer(camera, Show::Normals),
-                TracerKind::Albedo => make_debug_tracer(camera, Show::Albedo),
-                TracerKind::Depth => make_debug_tracer(camera, Show::Depth),
-                TracerKind::Occlusion => make_occlusion_tracer(camera),
-                TracerKind::AovNormal => make_aov_tracer(camera, Aov::Normal),
-                TracerKind::AovPlace => make_aov_tracer(camera, Aov::Place),
-                TracerKind::Light | TracerKind::Bidirectional => unreachable!("paths of theirs start at lights"),
-            };
-            devices.iter().for_each(|device| (device.trace)(kind.kernel(), tracer));
+        let devices = match gpu {
+            true => [make_megakernel_device(), make_wavefront_device()],
+            false => [make_cpu_device(), make_stream_device()],
+        };
+        let trace = |name: &str, tracer| devices.iter().for_each(|device| (device.trace)(name, tracer));
+        match entries {
+            Entries::Common => TracerKind::COMMON.into_iter().for_each(|kind| trace(kind.kernel(), make(kind, camera))),
+            Entries::Rare => TracerKind::RARE.into_iter().for_each(|kind| trace(kind.kernel(), make(kind, camera))),
+            Entries::Own => components.tracers().iter().for_each(|(name, make)| trace(name, make(camera))),
         }
-        more();
-    })
+        if entries == Entries::Rare && !gpu {
+            from_lights();
+        }
+    };
+    components.within(|| build(author))
+}
+
+/// A tracer of the library whose paths start at the camera.
+fn make(kind: TracerKind, camera: CameraFn) -> Tracer {
+    match kind {
+        TracerKind::Path => make_path_tracer(camera),
+        TracerKind::Normals => make_debug_tracer(camera, Show::Normals),
+        TracerKind::Albedo => make_debug_tracer(camera, Show::Albedo),
+        TracerKind::Depth => make_debug_tracer(camera, Show::Depth),
+        TracerKind::Occlusion => make_occlusion_tracer(camera),
+        TracerKind::AovNormal => make_aov_tracer(camera, Aov::Normal),
+        TracerKind::AovPlace => make_aov_tracer(camera, Aov::Place),
+        TracerKind::Light | TracerKind::Bidirectional => unreachable!("paths of theirs start at lights"),
+        TracerKind::Own(_) => unreachable!("a user's crate makes it"),
+    }
 }
 
 /// The entries of the CPU over tracers whose paths start at lights.
@@ -159,29 +191,29 @@ fn from_lights() {
     trace_both(TracerKind::Bidirectional.kernel(), eye, make_light_side_tracer());
 }
 
-/// The generic program of the CPU's devices.
+/// Every entry of the CPU's devices over the common tracers and the library's components.
+pub fn every_entry() -> Program {
+    program(&Components::new(), false, Entries::Common)
+}
+
+/// Every entry of the GPU's devices, likewise.
+pub fn every_gpu_entry() -> Program {
+    program(&Components::new(), true, Entries::Common)
+}
+
+/// The generic program of [`every_entry`], made once.
 pub fn generic() -> &'static Generic {
-    static GENERIC: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry()));
-    &GENERIC
+    generic_of(DeviceKind::Cpu, TracerKind::Path)
 }
 
-/// The generic program of the GPU's devices.
+/// The generic program of [`every_gpu_entry`], made once.
 pub fn gpu_generic() -> &'static Generic {
-    static GENERIC: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_gpu_entry()));
-    &GENERIC
+    generic_of(DeviceKind::GpuWavefront, TracerKind::Path)
 }
 
-/// The generic program of a device that has the entries of a tracer.
+/// The generic program of the standard library that has the entries of a tracer on a device.
 pub fn generic_of(device: DeviceKind, tracer: TracerKind) -> &'static Generic {
-    static CPU_RARE: LazyLock<Generic> =
-        LazyLock::new(|| Generic::new(every_entry_of(&CPU, &TracerKind::RARE, from_lights)));
-    static GPU_RARE: LazyLock<Generic> = LazyLock::new(|| Generic::new(every_entry_of(&GPU, &TracerKind::RARE, || ())));
-    match (device.is_gpu(), TracerKind::COMMON.contains(&tracer)) {
-        (false, true) => generic(),
-        (true, true) => gpu_generic(),
-        (false, false) => &CPU_RARE,
-        (true, false) => &GPU_RARE,
-    }
+    Library::standard().generic(device, tracer)
 }
 
 /// What to keep besides the code.
@@ -225,7 +257,7 @@ pub struct Generated {
 /// Specialise a kernel for these tables.
 pub fn residual(tables: &Tables, request: &Request, keep: Keep) -> Result<Residual, Error> {
     let options = jerboa_peval::Options { log: keep.log, ..Default::default() };
-    let generic = generic_of(request.device, request.tracer);
+    let generic = tables.library.generic(request.device, request.tracer);
     specialize(generic, &request.entry, &request.args, &tables.facts, &options).map_err(|e| Error::new(e.to_string()))
 }
 

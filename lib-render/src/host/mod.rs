@@ -17,6 +17,7 @@
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names,
 //! * [`renderer`], [`edit`], [`session`]: a scene made into kernels and rendered, changed, changed while it is rendered,
+//! * [`library`]: components, a user's among them, and their generic programs,
 //! * [`gpu`]: the devices on a GPU,
 //! * [`rays`]: raw tracing, in rays per second,
 //! * [`clock`], [`stages`]: time that a thread ran for, and on what,
@@ -25,6 +26,7 @@
 
 pub mod tables;
 pub mod generate;
+pub mod library;
 pub mod code_cache;
 pub mod device;
 mod dispatch;

@@ -10,15 +10,14 @@ use rayon::prelude::*;
 use super::device::{DeviceKind, Traversal};
 use super::error::Error;
 use super::film::{Film, Window};
-use super::generate::{Generated, Keep, Kernels, TracerKind, generate, generic_of};
+use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
 use super::gpu::{self, RealMachine, Schedule};
+use super::library::Library;
 use super::scalar;
 use super::splats;
-use super::tables::models::check_models;
 use super::tables::{CameraKind, Choices, Known, Pass, Tables, frame};
 use super::wave::Wave;
 use super::work::{Tiles, Whole, Work};
-use crate::bsdf::models::MODELS;
 
 /// Options of a renderer.
 #[derive(Clone, Copy, Debug)]
@@ -183,19 +182,27 @@ impl Renderer {
     /// Lay out the scene, specialise the renderer for it and compile it.
     ///
     /// # Errors
-    /// When a material names a model that is not in the list; the evaluator or the code generator gives up: a fault of Jerboa,
+    /// When the scene names a component that there is not; the evaluator or the code generator gives up: a fault of Jerboa,
     /// not of the scene; or there is no GPU, or one too small for the scene, where one is asked for.
     pub fn new(scene: &Scene, options: Options) -> Result<Renderer, Error> {
-        check_models(scene, MODELS)?;
+        Renderer::of(Library::standard(), scene, options)
+    }
+
+    /// Likewise, of the components of this library.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn of(library: &Library, scene: &Scene, options: Options) -> Result<Renderer, Error> {
+        library.check(scene, options.tracer)?;
         let options = Options { device: options.tracer.device(options.device)?, ..options };
         let start = Instant::now();
         let traversal = match options.device {
             DeviceKind::Cpu => options.traversal,
             _ => Traversal::Ir,
         };
-        let lay_out = || (Tables::walked(scene, &options.choices, options.known, traversal), Instant::now());
+        let lay_out = || (Tables::of(library, scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
-        let ((tables, laid_out), _) = rayon::join(lay_out, || generic_of(options.device, options.tracer));
+        let ((tables, laid_out), _) = rayon::join(lay_out, || _ = library.generic(options.device, options.tracer));
         let tables_time = (laid_out - start).saturating_sub(tables.bvh_time);
         let waited = laid_out.elapsed();
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
@@ -210,6 +217,7 @@ impl Renderer {
     pub fn showing(&self, tracer: TracerKind) -> Result<Renderer, Error> {
         let options = Options { tracer, device: tracer.device(self.options.device)?, ..self.options };
         let tables = self.tables.clone();
+        tables.library.check_tracer(tracer)?;
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
         Ok(Renderer { options, tables, device, tables_time: Duration::ZERO, specialize_time, codegen_time })
     }

@@ -2,7 +2,7 @@
 
 use jerboa_ir::table;
 
-use super::Materials;
+use super::{Materials, Parameters};
 
 /// [`Lights::KIND`]: a point, intensity in W/sr.
 pub const LIGHT_POINT: u32 = 0;
@@ -16,6 +16,8 @@ pub const LIGHT_TRIANGLE: u32 = 3;
 pub const LIGHT_QUAD: u32 = 4;
 /// [`Lights::KIND`]: the environment map.
 pub const LIGHT_ENVIRONMENT: u32 = 5;
+/// [`Lights::KIND`]: the first light of a user's crate; the others follow.
+pub const LIGHT_OWN: u32 = 64;
 
 table! {
     /// Lights, one row each; the environment is one of them.
@@ -28,6 +30,8 @@ table! {
         TEXTURED: Bool, structure;
         /// Area lights: the material.
         MATERIAL: ref Materials, structure;
+        /// The first of the numbers that a light of a user's crate takes.
+        NUMBERS: ref Parameters, structure;
         /// Probability of choosing this light.
         PROBABILITY: F32, value;
         /// Area lights: the (first) primitive.

@@ -2,10 +2,14 @@
 
 use jerboa_ir::table;
 
+use super::Parameters;
+
 /// [`Textures::KIND`]: 8-bit texels.
 pub const TEXTURE_IMAGE: u32 = 0;
 /// [`Textures::KIND`]: the procedural checkerboard of the paper, section 4.1.
 pub const TEXTURE_CHECKERBOARD: u32 = 1;
+/// [`Textures::KIND`]: the first texture of a user's crate; the others follow.
+pub const TEXTURE_OWN: u32 = 64;
 
 /// [`Textures::WRAP_U`] and [`Textures::WRAP_V`]: repeat.
 pub const WRAP_REPEAT: u32 = 0;
@@ -36,6 +40,8 @@ table! {
         UV_SET: U32, structure;
         /// Is there a KHR_texture_transform?
         TRANSFORMED: Bool, structure;
+        /// The first of the numbers that a texture of a user's crate takes.
+        NUMBERS: ref Parameters, structure;
         /// Width in texels.
         WIDTH: U32, value;
         /// Height in texels.

@@ -5,9 +5,9 @@ use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, Spec, U32, build, declare
 
 use crate::bsdf::Bsdf;
 use crate::bsdf::diffuse::make_diffuse_bsdf;
-use crate::bsdf::models::number;
+use crate::bsdf::models::numbers;
 use crate::bsdf::phong::make_mixed_phong_bsdf;
-use crate::core::color::{Color, color, white};
+use crate::core::color::{Color, white};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::{Frame3, SurfaceElement, make_geometry};
@@ -138,12 +138,12 @@ fn shade(b: &mut Block, row: Row<Materials>, i: U32) {
         start: origin,
     };
     let (kd, ks) = (base_color(b, row, uv), reflectance(b, row, uv));
-    scatter(b, i, make_mixed_phong_bsdf(surf, kd, ks, number(row, 3)), normal);
+    scatter(b, i, make_mixed_phong_bsdf(surf, kd, ks, numbers(row).number(3)), normal);
 }
 
 /// `ks`: a constant, times a texture if there is one.
 fn reflectance(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> Color {
-    let ks = color(number(row, 0), number(row, 1), number(row, 2));
+    let ks = numbers(row).color(0);
     let textured = |b: &mut Block| ks * look_up(b, row.get(Materials::SPECULAR_COLOR_TEXTURE), uv).color;
     b.if_(row.get(Materials::SPECULAR_COLOR_TEXTURED), textured, |_| ks)
 }

@@ -78,6 +78,11 @@ impl<'s> Editor<'s> {
                     (Some(_), TextureSource::Checkerboard { .. }) => {
                         return Err(Error::new(format!("texture {number} is a checkerboard and takes no image")));
                     }
+                    (Some(_), TextureSource::Own(_)) => {
+                        return Err(Error::new(format!(
+                            "texture {number} is a component of its own and takes no image"
+                        )));
+                    }
                 };
                 self.swapped(Part::Texture(number), |scene| {
                     scene.textures.get_mut(number).into_iter().for_each(|old| swap(old, &mut texture));

@@ -8,6 +8,8 @@ use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 
 use super::geometry::Placed;
 use super::memory::{Memory, RowMut, Table};
+use super::models::{Numbers, own_light};
+use crate::components::Components;
 use crate::host::alias::{log_slots, slots};
 use crate::host::bvh::{Triangle, can_be_hit};
 use crate::host::distribution::{Distribution1D, Distribution2D};
@@ -61,7 +63,8 @@ struct Emitter {
 }
 
 /// Collect the lights of a scene. `origin` is subtracted from positions, `radius` is that of the bounding sphere.
-pub fn lights(scene: &Scene, origin: DVec3, radius: f32) -> LightTables {
+pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components) -> LightTables {
+    let mut numbers = Numbers::of_lights(scene, components);
     let mut candidates: Vec<Candidate> = punctual(scene, radius).collect();
     candidates.extend(area(scene, origin));
     if scene.environment.as_ref().is_some_and(|e| e.intensity > 0.0) {
@@ -84,6 +87,12 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32) -> LightTables {
             row.set(L::PROBABILITY, distribution.probability(i)).set(L::SCENE_RADIUS, radius);
             row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE);
             write(&mut row, scene, origin, &c.kind);
+            if let Kind::Punctual(light) = &c.kind
+                && let LightKind::Own(own) = scene.lights[*light].kind
+            {
+                let (kind, own) = own_light(scene, own, components).unwrap_or_default();
+                row.set(L::KIND, LIGHT_OWN + kind).set(L::NUMBERS, numbers.place(&own));
+            }
             if let Kind::Area { emitter, other } = &c.kind {
                 out.marks.push((emitter.primitive, i as u32));
                 out.marks.extend(other.map(|q| (q.primitive, i as u32)));
@@ -106,6 +115,8 @@ fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {
                 LightKind::Point => 4.0 * PI,
                 LightKind::Spot { outer, .. } => 2.0 * PI * (1.0 - f64::from(outer).cos()),
                 LightKind::Directional => PI * f64::from(radius).powi(2),
+                // As of a point: what shape its light has is not known here.
+                LightKind::Own(_) => 4.0 * PI,
             }
     };
     let lit = scene.lights.iter().enumerate().filter(|(_, l)| l.intensity.iter().any(|c| *c > 0.0));
@@ -188,6 +199,8 @@ fn texture_mean(scene: &Scene, m: &jerboa_scenes::Material) -> f64 {
             (image.rgba.iter().map(code).sum::<f64>() / image.rgba.len() as f64).max(1.0 / 255.0)
         }
         TextureSource::Checkerboard { even, odd } => (luminance(even) + luminance(odd)) / 2.0,
+        // What it gives is not known here.
+        TextureSource::Own(_) => 1.0,
     }
 }
 
@@ -248,6 +261,7 @@ fn punctual_row(row: &mut RowMut<L>, light: &Light, origin: DVec3) {
             row.set(L::KIND, LIGHT_SPOT).set(L::COS_OUTER, outer).set(L::COS_INNER, inner)
         }
         LightKind::Directional => row.set(L::KIND, LIGHT_DIRECTIONAL),
+        LightKind::Own(_) => row,
     };
 }
 

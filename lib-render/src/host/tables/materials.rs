@@ -4,7 +4,7 @@ use jerboa_scenes::{AlphaMode, Material, Scene};
 
 use super::lobes;
 use super::memory::{Memory, Table};
-use super::models::{Numbers, resolve};
+use super::models::resolve;
 use super::textures::{Encoding, Textures};
 use crate::bsdf::models::Model;
 use crate::schema::Materials as M;
@@ -14,9 +14,8 @@ use crate::schema::*;
 const IOR_OF_MIRROR: f32 = 1e6;
 
 /// One row for each material of the scene, in its order; a scene without materials has one row that nothing uses. Their models
-/// are of this list, whose numbers go to the second table; one that [`super::models::check_models`] refuses is glTF's.
-pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> [Memory; 2] {
-    let mut numbers = Numbers::default();
+/// are of this list; one that [`super::models::check_models`] refuses is glTF's.
+pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> Memory {
     let mut table = Table::<M>::new();
     for m in &scene.materials {
         let rows = [
@@ -39,7 +38,7 @@ pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> [M
         row.set(M::TRANSMISSION_TEXTURED, m.transmission_texture.is_some()).set(M::TRANSMISSION_TEXTURE, rows[6]);
         surface(&mut row, m);
         let (model, own) = resolve(m, models).unwrap_or_default();
-        row.set(M::MODEL, model).set(M::NUMBERS, numbers.place(&own));
+        row.set(M::MODEL, model).set(M::NUMBERS, textures.numbers.place(&own));
         let parts = m.model.as_ref().and_then(|model| model.parts).filter(|_| model != 0);
         let [first, second] = parts.unwrap_or_default().map(|part| part.min(scene.materials.len() - 1) as u32);
         row.set(M::FIRST, first).set(M::SECOND, second);
@@ -51,7 +50,7 @@ pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> [M
             _ => _ = row.set(M::SMOOTH, smoothness(m.roughness, m.metallic_roughness_texture.is_some())),
         }
     }
-    [table.finish(), numbers.finish()]
+    table.finish()
 }
 
 /// A row being filled.

@@ -33,10 +33,10 @@ pub use classes::Known;
 use memory::{Memory, Table};
 use tree::SceneTree;
 
-use crate::bsdf::models::MODELS;
 use crate::host::bvh::{Bounds, Dropped};
 use crate::host::device::Traversal;
 use crate::host::film::Window;
+use crate::host::library::Library;
 use crate::host::native::Native;
 use crate::schema::{self, *};
 
@@ -102,6 +102,8 @@ pub struct Tables {
     images: Vec<usize>,
     /// Primitives that are lights, and which.
     marks: Vec<(u32, u32)>,
+    /// Whose kernels read it.
+    pub library: Library,
 }
 
 /// How far a change of a scene reaches beyond materials, textures and settings.
@@ -121,6 +123,12 @@ impl Tables {
 
     /// Lay out a scene whose tree is walked so, if that can be.
     pub fn walked(scene: &Scene, choices: &Choices, known: Known, traversal: Traversal) -> Tables {
+        Tables::of(Library::standard(), scene, choices, known, traversal)
+    }
+
+    /// Likewise, for kernels of this library, which has all that the scene names ([`Library::check`]).
+    pub fn of(library: &Library, scene: &Scene, choices: &Choices, known: Known, traversal: Traversal) -> Tables {
+        let components = library.components();
         let mut memory = vec![Arc::default(); schema::BUFFERS.len()];
         let mut put = |binding: usize, m: Memory| memory[binding] = Arc::new(m);
 
@@ -135,11 +143,10 @@ impl Tables {
         drop(triangles);
 
         // Materials and what they look up.
-        let mut textures = textures::Textures::new(scene);
-        let [rows, numbers] = materials::materials(scene, &mut textures, MODELS);
-        put(binding::<Materials>(), rows);
-        put(binding::<Parameters>(), numbers);
-        put(binding::<Models>(), models::list(scene, MODELS));
+        let mut textures = textures::Textures::new(scene, components);
+        put(binding::<Materials>(), materials::materials(scene, &mut textures, components.models()));
+        put(binding::<Parameters>(), std::mem::take(&mut textures.numbers).finish());
+        put(binding::<Models>(), models::list(scene, components.models()));
         let images = textures.images().to_vec();
         put(binding::<Texels>(), textures.texels());
         put(binding::<Textures>(), textures.finish());
@@ -158,7 +165,7 @@ impl Tables {
 
         // Lights.
         let radius = radius(&bounds);
-        let lights = lights::lights(scene, origin, radius);
+        let lights = lights::lights(scene, origin, radius, components);
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
@@ -176,18 +183,32 @@ impl Tables {
 
         let facts = classes::classify(&mut memory, known, &Facts::none());
         let marks = lights.marks;
-        Tables { memory, facts, native, origin, dropped, camera, bvh_time, radius, traversal, cutouts, images, marks }
+        Tables {
+            memory,
+            facts,
+            native,
+            origin,
+            dropped,
+            camera,
+            bvh_time,
+            radius,
+            traversal,
+            cutouts,
+            images,
+            marks,
+            library: library.clone(),
+        }
     }
 
     /// The same scene after a change of materials, textures or lights. What has not changed is shared.
     pub fn changed(&self, scene: &Scene, choices: &Choices, known: Known, change: Change) -> Tables {
         let mut new = self.clone();
+        let components = self.library.components();
         let mut put = |binding: usize, m: Memory| new.memory[binding] = Arc::new(m);
-        let mut textures = textures::Textures::new(scene);
-        let [rows, numbers] = materials::materials(scene, &mut textures, MODELS);
-        put(binding::<Materials>(), rows);
-        put(binding::<Parameters>(), numbers);
-        put(binding::<Models>(), models::list(scene, MODELS));
+        let mut textures = textures::Textures::new(scene, components);
+        put(binding::<Materials>(), materials::materials(scene, &mut textures, components.models()));
+        put(binding::<Parameters>(), std::mem::take(&mut textures.numbers).finish());
+        put(binding::<Models>(), models::list(scene, components.models()));
         if change.texels || textures.images() != self.images {
             put(binding::<Texels>(), textures.texels());
         }
@@ -203,7 +224,7 @@ impl Tables {
         }
         let mut count = self.memory[binding::<Settings>()].words[Settings::LIGHT_COUNT.0 as usize];
         if change.lights {
-            let lights = lights::lights(scene, self.origin, self.radius);
+            let lights = lights::lights(scene, self.origin, self.radius, components);
             put(binding::<Lights>(), lights.lights);
             put(binding::<LightChoice>(), lights.choice);
             lights::mark(&mut new.memory[binding::<Primitives>()], &self.marks, &lights.marks);

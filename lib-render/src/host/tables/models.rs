@@ -1,9 +1,10 @@
-//! The models that materials name: their numbers in the list, and the numbers that they take.
+//! The components that scenes name: their numbers in the lists, and the numbers that they take.
 
-use jerboa_scenes::{Material, Scene};
+use jerboa_scenes::{LightKind, Material, Model as Named, Scene, TextureSource};
 
 use super::memory::{Memory, Table};
-use crate::bsdf::models::{Model, Parameter};
+use crate::bsdf::models::Model;
+use crate::components::{Components, Parameter};
 use crate::host::error::Error;
 use crate::schema::{Models, Parameters};
 
@@ -15,32 +16,72 @@ pub fn resolve(material: &Material, models: &[Model]) -> Result<(u32, Vec<f32>),
     let Some(asked) = &material.model else {
         return Ok((0, Vec::new()));
     };
-    let fault = |what: String| {
-        let place = if asked.path.is_empty() { String::new() } else { format!("{}: ", asked.path) };
-        Error::new(format!("{place}material \"{}\", model \"{}\": {what}", material.name, asked.name))
-    };
-    let Some((number, model)) = (0..).zip(models).find(|(_, model)| model.name == asked.name) else {
-        return Err(fault(format!("no such model; there are {}", names(models.iter().map(|m| m.name)))));
-    };
-    if model.has_parts != asked.parts.is_some() {
-        let what = if model.has_parts { "name them by `first` and `second`" } else { "leave them out" };
-        let of =
-            if model.has_parts { "it is made of two other materials" } else { "it is not made of other materials" };
-        return Err(fault(format!("{of}: {what}")));
+    let what = format!("material \"{}\", model \"{}\"", material.name, asked.name);
+    let all: Vec<Takes> = models.iter().map(|m| (m.name, m.parameters)).collect();
+    let found = find(&what, asked, &all)?;
+    let has_parts = models[found.0 as usize].has_parts;
+    if has_parts != asked.parts.is_some() {
+        let how = match has_parts {
+            true => "it is made of two other materials: name them by `first` and `second`",
+            false => "it is not made of other materials: leave them out",
+        };
+        return Err(Error::new(format!("{}{what}: {how}", place(asked))));
     }
-    let takes = |name: &str| model.parameters.iter().any(|p| p.name == name);
+    Ok(found)
+}
+
+/// Name and parameters of a component.
+pub type Takes = (&'static str, &'static [Parameter]);
+
+/// The number of the component that is asked for, `what` in messages, among all of its kind, and its numbers.
+///
+/// # Errors
+/// When there is none of that name, or it does not take those numbers.
+pub fn find(what: &str, asked: &Named, all: &[Takes]) -> Result<(u32, Vec<f32>), Error> {
+    let fault = |why: String| Error::new(format!("{}{what}: {why}", place(asked)));
+    let Some((number, (_, parameters))) = (0..).zip(all).find(|(_, (name, _))| *name == asked.name) else {
+        return Err(fault(format!("it is not registered; there are {}", names(all.iter().map(|a| a.0)))));
+    };
+    let takes = |name: &str| parameters.iter().any(|p| p.name == name);
     if let Some((name, _)) = asked.numbers.iter().find(|(name, _)| !takes(name)) {
-        return Err(fault(format!(
-            "it takes no `{name}`; it takes {}",
-            names(model.parameters.iter().map(|p| p.name))
-        )));
+        return Err(fault(format!("it takes no `{name}`; it takes {}", names(parameters.iter().map(|p| p.name)))));
     }
     let given = |p: &Parameter| asked.numbers.iter().find(|(name, _)| name == p.name);
-    let numbers = model.parameters.iter().map(|p| match given(p) {
+    let numbers = parameters.iter().map(|p| match given(p) {
         None => Ok(p.default.to_vec()),
         Some((_, xs)) => check(p, xs).map_err(fault),
     });
     Ok((number, numbers.collect::<Result<Vec<_>, Error>>()?.concat()))
+}
+
+/// Where in a file it was asked for.
+fn place(asked: &Named) -> String {
+    if asked.path.is_empty() { String::new() } else { format!("{}: ", asked.path) }
+}
+
+/// The texture of a user's crate at this place of the scene's list.
+///
+/// # Errors
+/// As [`find`].
+pub fn own_texture(scene: &Scene, own: usize, components: &Components) -> Result<(u32, Vec<f32>), Error> {
+    let all: Vec<Takes> = components.textures().iter().map(|t| (t.name, t.parameters)).collect();
+    own_component("texture", scene, own, &all)
+}
+
+/// The light of a user's crate at this place of the scene's list.
+///
+/// # Errors
+/// As [`find`].
+pub fn own_light(scene: &Scene, own: usize, components: &Components) -> Result<(u32, Vec<f32>), Error> {
+    let all: Vec<Takes> = components.lights().iter().map(|l| (l.name, l.parameters)).collect();
+    own_component("light", scene, own, &all)
+}
+
+fn own_component(kind: &str, scene: &Scene, own: usize, all: &[Takes]) -> Result<(u32, Vec<f32>), Error> {
+    let Some(asked) = scene.own.get(own) else {
+        return Err(Error::new(format!("there is no component {own} for a {kind}: the scene has {}", scene.own.len())));
+    };
+    find(&format!("{kind} \"{}\"", asked.name), asked, all)
 }
 
 /// As many numbers as the parameter has, within its range. One number stands for all.
@@ -62,13 +103,23 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> String {
     if all.is_empty() { "none".into() } else { all.join(", ") }
 }
 
-/// Can the models of all materials be had?
+/// Can all components that a scene names be had?
 ///
 /// # Errors
-/// As [`resolve`]; and when a part is no material of the scene, or is made of parts itself.
-pub fn check_models(scene: &Scene, models: &[Model]) -> Result<(), Error> {
+/// As [`resolve`] and [`find`]; and when a part is no material of the scene, or is made of parts itself.
+pub fn check_models(scene: &Scene, components: &Components) -> Result<(), Error> {
+    for texture in &scene.textures {
+        if let TextureSource::Own(own) = texture.source {
+            own_texture(scene, own, components)?;
+        }
+    }
+    for light in &scene.lights {
+        if let LightKind::Own(own) = light.kind {
+            own_light(scene, own, components)?;
+        }
+    }
     for material in &scene.materials {
-        resolve(material, models)?;
+        resolve(material, components.models())?;
         let parts = material.model.iter().filter_map(|model| model.parts).flatten();
         for part in parts {
             let what = match scene.materials.get(part) {
@@ -84,11 +135,22 @@ pub fn check_models(scene: &Scene, models: &[Model]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The numbers that models take, equal runs of them once.
+/// The numbers that components take, equal runs of them once.
 #[derive(Default)]
 pub struct Numbers(Vec<f32>);
 
 impl Numbers {
+    /// Those of the lights of a user's crate, which come first: so an edit of something else does not move them.
+    pub fn of_lights(scene: &Scene, components: &Components) -> Numbers {
+        let mut numbers = Numbers::default();
+        for light in &scene.lights {
+            if let LightKind::Own(own) = light.kind {
+                numbers.place(&own_light(scene, own, components).unwrap_or_default().1);
+            }
+        }
+        numbers
+    }
+
     /// First row of these numbers.
     pub fn place(&mut self, run: &[f32]) -> u32 {
         if run.is_empty() {

@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use jerboa_scenes::{Filter, Scene, TextureRef, TextureSource, UvTransform, Wrap};
 
 use super::memory::{Memory, Table};
+use super::models::{Numbers, own_texture};
+use crate::components::Components;
 use crate::schema::*;
 
 /// How a use of an image reads its colour channels.
@@ -19,6 +21,9 @@ pub enum Encoding {
 /// Texture rows that are being collected: one for each way in which the materials use a texture.
 pub struct Textures<'a> {
     scene: &'a Scene,
+    components: &'a Components,
+    /// The numbers that components take.
+    pub numbers: Numbers,
     table: Table<crate::schema::Textures>,
     /// Images in use, in the order of their texels.
     images: Vec<usize>,
@@ -40,9 +45,11 @@ struct Key {
 
 impl<'a> Textures<'a> {
     /// None yet.
-    pub fn new(scene: &'a Scene) -> Self {
+    pub fn new(scene: &'a Scene, components: &'a Components) -> Self {
         Textures {
             scene,
+            components,
+            numbers: Numbers::of_lights(scene, components),
             table: Table::new(),
             images: Vec::new(),
             offsets: HashMap::new(),
@@ -70,7 +77,11 @@ impl<'a> Textures<'a> {
         let texture = &self.scene.textures[r.texture];
         let image = match texture.source {
             TextureSource::Image(i) => Some((i, self.offset(i))),
-            TextureSource::Checkerboard { .. } => None,
+            TextureSource::Checkerboard { .. } | TextureSource::Own(_) => None,
+        };
+        let own = match texture.source {
+            TextureSource::Own(own) => own_texture(self.scene, own, self.components).ok(),
+            _ => None,
         };
         let mut row = self.table.push();
         row.set(T::UV_SET, r.uv_set as u32).set(T::SRGB, encoding == Encoding::Srgb);
@@ -86,6 +97,9 @@ impl<'a> Textures<'a> {
         if let TextureSource::Checkerboard { even, odd } = texture.source {
             row.set(T::KIND, TEXTURE_CHECKERBOARD);
             row.set_all([T::EVEN_R, T::EVEN_G, T::EVEN_B], even).set_all([T::ODD_R, T::ODD_G, T::ODD_B], odd);
+        }
+        if let Some((kind, numbers)) = own {
+            row.set(T::KIND, TEXTURE_OWN + kind).set(T::NUMBERS, self.numbers.place(&numbers));
         }
         if let Some(t) = r.transform {
             let m = matrix(t);
