@@ -35,7 +35,8 @@
 //!   Another model of scattering by the material's own `extras.bsdf: {"model": NAME, …}`, see [`Model`].
 //! - **Images**: PNG, JPEG, WebP (EXT_texture_webp), kept at eight bits; wrap modes and the magnification filter.
 //! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
-//!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr) or given later by [`Scene::set_environment`].
+//!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr; or `sky` in place of `uri`, with the numbers of a
+//!   [`Sky`]) or given later by [`Scene::set_environment`].
 //! - **Shapes**: morph targets and skins, at rest or at a moment of the file's animations (steps, lines and cubic splines
 //!   of translation, rotation, scale and weights); EXT_mesh_gpu_instancing.
 //! - **Choices** ([`Selection`]): any of the file's scenes, and of its KHR_materials_variants.
@@ -83,6 +84,7 @@ mod model;
 mod obj;
 mod scene;
 mod selection;
+mod sky;
 mod texture;
 
 pub mod builtin;
@@ -98,4 +100,5 @@ pub use mesh::{Instance, Mesh};
 pub use model::Model;
 pub use scene::Scene;
 pub use selection::Selection;
+pub use sky::Sky;
 pub use texture::{Filter, Image, Texture, TextureSource, Wrap};

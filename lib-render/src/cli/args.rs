@@ -292,7 +292,7 @@ pub struct RenderArgs {
     /// Move rays off surfaces by X (1 + largest coordinate) more, as renderers with an epsilon do, to compare with them
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = finite_not_negative, allow_negative_numbers = true)]
     pub ray_offset: f32,
-    /// Light the scene by this .hdr or .exr environment map
+    /// Light the scene by this .hdr or .exr environment map, or by sky:ELEVATION[,AZIMUTH[,TURBIDITY]], sun included
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,
     /// Turn the environment about the vertical axis, in degrees

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use jerboa_scenes::{Camera, Limits, Scene, Selection};
+use jerboa_scenes::{Camera, Environment, Limits, Scene, Selection, Sky};
 
 use super::args::{DeviceArg, KnownArg, RenderArgs, SelectArgs, ShadingNormalsArg, TraversalArg};
 use crate::host::device::{DeviceKind, Traversal};
@@ -67,6 +67,12 @@ pub fn load_selected(path: &str, select: &SelectArgs) -> Result<(Scene, Duration
 /// Put the environment of the command line in place of the scene's, or change the scene's own.
 pub fn set_environment(scene: &mut Scene, args: &RenderArgs) -> Result<(), Error> {
     let RenderArgs { env, env_rotation, env_strength, .. } = args;
+    if let Some(sky) = env.as_deref().and_then(Path::to_str).and_then(|name| name.strip_prefix("sky:")) {
+        let environment = sky_of(sky)?.environment().map_err(|e| Error::new(format!("--env sky:{sky}: {e}")))?;
+        let (intensity, rotation_deg) = (env_strength.unwrap_or(1.0), env_rotation.unwrap_or(0.0));
+        scene.environment = Some(Environment { intensity, rotation_deg, ..environment });
+        return Ok(());
+    }
     if let Some(file) = env {
         return scene
             .set_environment(Path::new(file), env_strength.unwrap_or(1.0), env_rotation.unwrap_or(0.0))
@@ -83,6 +89,23 @@ pub fn set_environment(scene: &mut Scene, args: &RenderArgs) -> Result<(), Error
         }
         None => Ok(()),
     }
+}
+
+/// A sky by `ELEVATION[,AZIMUTH[,TURBIDITY]]`.
+fn sky_of(text: &str) -> Result<Sky, Error> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse::<f64>()).collect();
+    let sky = match numbers.as_deref() {
+        Ok([elevation_deg]) => Sky { elevation_deg: *elevation_deg, ..Sky::default() },
+        Ok([elevation_deg, azimuth_deg]) => {
+            Sky { elevation_deg: *elevation_deg, azimuth_deg: *azimuth_deg, ..Sky::default() }
+        }
+        Ok([elevation_deg, azimuth_deg, turbidity]) => {
+            let turbidity = *turbidity as f32;
+            Sky { elevation_deg: *elevation_deg, azimuth_deg: *azimuth_deg, turbidity, ..Sky::default() }
+        }
+        _ => return Err(Error::new(format!("--env sky:{text}: a sky is sky:ELEVATION[,AZIMUTH[,TURBIDITY]]"))),
+    };
+    Ok(sky)
 }
 
 /// The camera that is asked for, the first, or one that frames the scene.

@@ -1,7 +1,7 @@
 //! Light of every kind, where the answer is known or hard to find.
 
 use super::shapes::{floor, panel, quad, sky, solid, sphere, varied};
-use crate::{Light, LightKind, Material, Scene};
+use crate::{Environment, Light, LightKind, Material, Scene, Sky};
 use glam::{DAffine3, DVec3, Vec3, vec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -44,6 +44,27 @@ pub(super) fn sun() -> Scene {
     scene.lights.push(light(LightKind::Directional, 1.0, slant));
     let block = scene.paint(Material::diffuse("block", [0.2, 0.4, 0.6]));
     scene.place(solid(vec3(-0.3, 0.0, -0.3), [Vec3::X * 0.6, Vec3::Y * 0.8, Vec3::Z * 0.6]), block);
+    scene
+}
+
+/// A ball, a block and a metal ball on a floor under a clear sky and its sun, 35 degrees high and behind the camera's right
+/// shoulder.
+pub(super) fn sunlit() -> Scene {
+    let sky = Sky { elevation_deg: 35.0, azimuth_deg: 130.0, width: 256, ..Sky::default() };
+    let sky = sky.environment().expect("the numbers are in range");
+    let mut scene = Scene { environment: Some(Environment { intensity: 2.0, ..sky }), ..Scene::default() };
+    let [stone, wood, clay, steel] = [
+        Material::diffuse("stone", [0.4, 0.38, 0.35]),
+        Material::diffuse("wood", [0.1, 0.25, 0.5]),
+        Material::plastic("clay", [0.7, 0.25, 0.15], 0.5),
+        Material::metal("steel", [0.8; 3], 0.2),
+    ]
+    .map(|material| scene.paint(material));
+    scene.place(floor(Vec3::ZERO, 400.0, 400.0), stone);
+    scene.place(sphere(vec3(-0.9, 0.5, 0.0), 0.5, 4), clay);
+    scene.place(solid(vec3(-0.2, 0.0, -0.4), [Vec3::X * 0.6, Vec3::Y, Vec3::Z * 0.6]), wood);
+    scene.place(sphere(vec3(1.1, 0.5, 0.1), 0.5, 4), steel);
+    scene.view([0.0, 1.3, 4.5], [0.0, 0.5, 0.0], 0.6, (480, 270));
     scene
 }
 

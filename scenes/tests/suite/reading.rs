@@ -305,6 +305,20 @@ fn hdr() -> Vec<u8> {
 }
 
 #[test]
+fn a_sky_in_place_of_an_image() {
+    let mut d = triangle();
+    let sky = json!({"elevation_deg": 20, "azimuth_deg": 45, "turbidity": 4, "albedo": [0.5, 0.5, 0.5], "sun": false});
+    d["scenes"][0]["extras"] = json!({"environment": {"sky": sky, "intensity": 2}});
+    let found = load(&d).unwrap().environment.unwrap();
+    let sky =
+        Sky { elevation_deg: 20.0, azimuth_deg: 45.0, turbidity: 4.0, albedo: [0.5; 3], sun: false, ..Sky::default() };
+    assert_eq!(found, Environment { intensity: 2.0, ..sky.environment().unwrap() });
+    d["scenes"][0]["extras"]["environment"]["sky"]["turbidity"] = json!(0);
+    let error = load(&d).unwrap_err().to_string();
+    assert!(error.contains("scenes[0].extras.environment.sky: Turbidity must be between 1"), "{error}");
+}
+
+#[test]
 fn environments() {
     let folder = tempfile::tempdir().unwrap();
     let mut d = triangle();
