@@ -1,7 +1,7 @@
 //! Light transport from the lights, alone and from both sides, against the path tracer: T13 on scenes that both can render,
 //! and closed forms.
 //!
-//! Sixteen independent renders are compared with the mean of 48 of the path tracer, by blocks (`host::compare`); seeds are
+//! Sixteen independent renders are compared with the mean of 32 of the path tracer, by blocks (`host::compare`); seeds are
 //! fixed and differ. The films have few blocks, so what T13 says of the share of blocks beyond its quantile is left out; right
 //! code fails what is left for another seed with a probability below 1 in 500 (a mean beyond 4 standard errors is 1 in 16,000,
 //! an rms of z beyond 1.6 of 12 blocks less). The long form has more samples:
@@ -64,7 +64,7 @@ fn disagreements(name: &str, scene: &Scene, tracers: &[TracerKind], spp: u32, ma
         let spp = number("JERBOA_SPP", spp as usize) as u32;
         (0..count).map(|i| image(&renderer, &camera, spp, first + i)).collect()
     };
-    let (reference, variance) = mean_and_variance(&images(TracerKind::Path, 48, 1000));
+    let (reference, variance) = mean_and_variance(&images(TracerKind::Path, 32, 1000));
     let compared = |tracer: &TracerKind| {
         let found = compare(&images(*tracer, 16, 1), &reference, Some(&variance)).unwrap_or_else(|e| panic!("{e}"));
         let t13 = found.t13.expect("sixteen renders");
@@ -102,7 +102,7 @@ fn they_agree_in_a_diffuse_room() {
     let mut scene = load("cornell-box");
     // Below the lamp, which the light tracer does not see.
     scene.cameras = vec![Camera::look_at("low", DVec3::new(0.0, 1.0, 6.8), DVec3::new(0.0, 0.7, 0.0), 0.22)];
-    assert_eq!(disagreements("cornell-box", &scene, &LIGHT_SIDES, 16, None), [""; 0]);
+    assert_eq!(disagreements("cornell-box", &scene, &LIGHT_SIDES, 8, None), [""; 0]);
 }
 
 /// Normals that lie far from the faces: what Veach's adjoint factor is for.
@@ -114,7 +114,7 @@ fn they_agree_on_smooth_normals() {
         ("metal", Material::metal("ball", [0.9, 0.7, 0.8], 0.4)),
     ] {
         let scene = under_lamp(smooth_ball(0), material);
-        assert_eq!(disagreements(name, &scene, &LIGHT_SIDES, 16, None), [""; 0]);
+        assert_eq!(disagreements(name, &scene, &LIGHT_SIDES, 8, None), [""; 0]);
     }
 }
 
@@ -122,23 +122,23 @@ fn they_agree_on_smooth_normals() {
 #[test]
 fn they_agree_on_rough_glass() {
     let scene = under_lamp(smooth_ball(2), glass(0.5));
-    assert_eq!(disagreements("rough glass", &scene, &LIGHT_SIDES, 16, None), [""; 0]);
+    assert_eq!(disagreements("rough glass", &scene, &LIGHT_SIDES, 8, None), [""; 0]);
     let mut amber = glass(0.5);
     let volume = amber.volume.as_mut().expect("glass has an inside");
     (volume.attenuation_distance, volume.attenuation_color) = (0.3, [0.8, 0.5, 0.1]);
     let scene = under_lamp(smooth_ball(2), amber);
-    assert_eq!(disagreements("amber", &scene, &LIGHT_SIDES, 16, None), [""; 0]);
+    assert_eq!(disagreements("amber", &scene, &LIGHT_SIDES, 8, None), [""; 0]);
 }
 
 /// Smooth glass cannot be connected with: its light is found by the paths that pass it.
 #[test]
 fn they_agree_under_smooth_glass() {
     let scene = under_lamp(smooth_ball(3), glass(0.0));
-    assert_eq!(disagreements("glass ball", &scene, &[TracerKind::Bidirectional], 24, None), [""; 0]);
+    assert_eq!(disagreements("glass ball", &scene, &[TracerKind::Bidirectional], 12, None), [""; 0]);
     // Its caustic alone, from the side: the light tracer does not see the ball.
     let mut below = scene;
     below.cameras = vec![Camera::look_at("low", DVec3::new(0.0, 0.6, 2.6), DVec3::new(0.0, 0.0, 0.4), 0.12)];
-    assert_eq!(disagreements("caustic", &below, &LIGHT_SIDES, 24, None), [""; 0]);
+    assert_eq!(disagreements("caustic", &below, &LIGHT_SIDES, 12, None), [""; 0]);
     // Within the glass: every path crosses one interface, so the squared index does not cancel.
     let mut sunk = Scene::default();
     let bottom = rectangle(Vec3::new(-2.0, 0.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
@@ -148,7 +148,7 @@ fn they_agree_under_smooth_glass() {
     let lamp = rectangle(Vec3::new(-0.8, 3.0, -0.5), Vec3::X, Vec3::Z);
     place(&mut sunk, lamp, Material::emitter("lamp", [10.0; 3]), 1.0, DVec3::ZERO);
     sunk.cameras = vec![Camera::look_at("in", DVec3::new(0.2, 0.7, 1.6), DVec3::new(0.0, 0.0, 0.0), 0.5)];
-    assert_eq!(disagreements("under water", &sunk, &LIGHT_SIDES, 24, None), [""; 0]);
+    assert_eq!(disagreements("under water", &sunk, &LIGHT_SIDES, 12, None), [""; 0]);
 }
 
 /// Each kind of light: without extent, parallel, from all around, and all of them.
@@ -178,11 +178,11 @@ fn they_agree_on_every_light() {
     let down = || vec![Camera::look_at("down", DVec3::new(0.4, 2.5, 1.2), DVec3::new(0.0, 0.2, 0.0), 0.5)];
     let mut sky_only = dark(|_| ());
     (sky_only.environment, sky_only.cameras) = (Some(sky()), down());
-    assert_eq!(disagreements("sky", &sky_only, &LIGHT_SIDES, 16, None), [""; 0]);
+    assert_eq!(disagreements("sky", &sky_only, &LIGHT_SIDES, 8, None), [""; 0]);
     let mut all = under_lamp(smooth_ball(1), Material::plastic("ball", [0.3, 0.7, 0.8], 0.6));
     (all.environment, all.cameras) = (Some(sky()), down());
     all.lights = vec![light(LightKind::Point, 4.0, 2.5), light(LightKind::Directional, 1.0, 2.5)];
-    assert_eq!(disagreements("all lights", &all, &LIGHT_SIDES, 16, None), [""; 0]);
+    assert_eq!(disagreements("all lights", &all, &LIGHT_SIDES, 8, None), [""; 0]);
 }
 
 /// Every strategy is cut off at the same length.
@@ -191,7 +191,7 @@ fn they_agree_on_short_paths() {
     let scene = load("cornell-box");
     for depth in [1, 2, 3, 4] {
         let name = format!("at most {depth} edges");
-        assert_eq!(disagreements(&name, &scene, &[TracerKind::Bidirectional], 8, Some(depth)), [""; 0]);
+        assert_eq!(disagreements(&name, &scene, &[TracerKind::Bidirectional], 6, Some(depth)), [""; 0]);
     }
 }
 

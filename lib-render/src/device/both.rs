@@ -1,4 +1,4 @@
-//! The scalar CPU device for bidirectional path tracing: [`follow`] twice, once with a tracer whose paths start at a light and
+//! The scalar CPU device for bidirectional path tracing: the loop over a path twice, once with a tracer whose paths start at a light and
 //! once with one whose paths start at the camera (paper, section 4.6).
 //!
 //! The first path leaves its vertices in the stream [`LightVertices`]; each vertex of the second is connected with all of

@@ -14,6 +14,9 @@
 //! | 2 or more, not all | two vertices are connected | [`connect`] |
 //! | all | the light's path asks for the camera | `on_shadow` of [`make_light_side_tracer`] |
 //!
+//! Every vertex is connected with every one, so a sample costs the product of the lengths of its two paths: much in a white
+//! room, little where a scene absorbs.
+//!
 //! What weights need is only that all ways agree on the densities of a path; they may be others than what is drawn by, at the
 //! price of variance. Three are: a light with extent counts as drawn uniformly by area from anywhere, roulette does not count,
 //! and a perfectly specular event is as likely in both directions.
