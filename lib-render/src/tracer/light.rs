@@ -3,7 +3,9 @@
 //! It is the adjoint of the path tracer and has the same expectation, but for what it cannot find: a pinhole is never hit, so
 //! every path it adds has a vertex that scatters diffusely before the camera. Emitters that are seen directly, and all that is
 //! seen in perfect mirrors and through smooth glass, are black; caustics, which a path tracer finds by chance, are its
-//! strength. Surfaces that are unlit are no lights here.
+//! strength. Surfaces that are unlit are no lights here. And where a mesh is coarse and its normals smooth, a surface sends
+//! light below the horizon of its shading normal, where no BSDF draws a direction: what goes on from there to another surface
+//! is missing (the bidirectional tracer finds it from the other side).
 //!
 //! The path of (pixel, sample) is a function of both and the seed, in a stream of numbers of its own; which pixels its light
 //! falls on does not depend on them. Path vertices count from 0, the light. Roulette goes by the share of the emitted light
