@@ -6,7 +6,7 @@ use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 use crate::core::rng::{DIM_HOLES, Rng};
 use crate::core::vec::Vec2;
 use crate::geometry::triangle::Triangle;
-use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Geometries, Materials, Primitives};
+use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Geometries, Materials};
 use crate::texture::look_up;
 use crate::tracer::RayState;
 use crate::traverse::AcceptFn;
@@ -52,9 +52,8 @@ pub fn is_there(
 /// a card crossed on the way to a surface would be open on the way on.
 pub fn make_accept(state: RayState) -> AcceptFn {
     AcceptFn::lam(move |b, (_, hit)| {
-        let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
-        b.dispatch(Row::<Geometries>::at(geometry), |b, row| {
-            let triangle = Triangle::of(hit);
+        let triangle = Triangle::of(b, hit);
+        b.dispatch(triangle.geometry(), |b, row| {
             let at = (triangle.uv(b, row), triangle.alpha(b, row));
             is_there(b, row.get(Geometries::MATERIAL), at, state.rng, state.vertex, hit.primitive)
         })

@@ -6,10 +6,12 @@ use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 use crate::core::color::Color;
 use crate::core::vec::{Vec2, Vec3};
 use crate::ray::{Hit, Ray};
-use crate::schema::{Geometries, Primitives};
+use crate::schema::Geometries;
 use crate::shader::Shader;
 
 pub mod offset;
+mod place;
+pub mod plane;
 pub mod triangle;
 
 use triangle::Triangle;
@@ -72,9 +74,9 @@ impl_staged!(Geometry { surface_element, shader });
 /// Geometry of triangles: what the row says its vertices have is interpolated, the rest derived.
 pub fn make_geometry(row: Row<Geometries>, shader: Shader) -> Geometry {
     let surface_element = Fun::lam(move |b: &mut Block, (_, hit): (Ray, Hit)| {
-        let triangle = Triangle::of(hit);
+        let triangle = Triangle::of(b, hit);
         let (point, error, start) = triangle.point();
-        let face_normal = triangle.face_normal();
+        let face_normal = triangle.plane().normal;
         let uv = triangle.uv(b, row);
         let normal = triangle.shading_normal(b, row, face_normal);
         SurfaceElement {
@@ -85,7 +87,7 @@ pub fn make_geometry(row: Row<Geometries>, shader: Shader) -> Geometry {
             uv,
             color: triangle.color(b, row),
             primitive: hit.primitive,
-            light: Row::<Primitives>::at(hit.primitive).get(Primitives::LIGHT),
+            light: triangle.light(),
             start,
         }
     });

@@ -56,6 +56,8 @@ table! {
         HAS_VOLUMES: Bool, structure;
         /// `CAMERA_*`.
         CAMERA: U32, structure;
+        /// Do instances share triangles?
+        HAS_INSTANCES: Bool, structure;
         /// Roulette may end a path from this scattering on.
         RR_DEPTH: U32, value;
         /// Largest survival probability.
@@ -68,6 +70,8 @@ table! {
         LIGHT_COUNT: U32, value;
         /// How far ambient occlusion looks, m; infinity for no end.
         OCCLUSION_DISTANCE: F32, value;
+        /// Rows of [`Instances`].
+        INSTANCE_COUNT: U32, value;
     }
 }
 
@@ -139,6 +143,7 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Uvs>(),
     spec::<Tangents>(),
     spec::<Colors>(),
+    spec::<Instances>(),
     spec::<Tree>(),
     spec::<Lights>(),
     spec::<LightChoice>(),

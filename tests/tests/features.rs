@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use jerboa_ir::print;
 use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residual};
+use jerboa_lib_render::host::tables::sharing::MOST_COPIES;
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_scenes::{AlphaMode, LightKind, Material, Mesh, Scene, TextureRef, TextureSource, builtin};
 
@@ -54,6 +55,7 @@ const FEATURES: &[Feature] = &[
         used: |s| s.meshes.iter().any(|m| m.normals.is_some()),
         words: &["Normals.X"],
     },
+    Feature { name: "instances that share triangles", used: shares, words: &["Instances.FIRST", "Instances.AXIS_X_X"] },
     Feature {
         name: "an environment",
         used: |s| s.environment.is_some(),
@@ -146,4 +148,13 @@ fn light_shapes(scene: &Scene) -> usize {
     let meshes = scene.instances.iter().map(|i| &scene.meshes[i.mesh]).filter(|mesh| shining(mesh));
     let triangles: usize = meshes.map(|mesh| mesh.triangles.len()).sum();
     triangles + scene.lights.len() + usize::from(scene.environment.is_some())
+}
+
+/// Would copies of some mesh in the world be many, and does it not emit?
+fn shares(scene: &Scene) -> bool {
+    let users = |mesh: usize| scene.instances.iter().filter(|instance| instance.mesh == mesh).count();
+    scene.meshes.iter().enumerate().any(|(number, mesh)| {
+        let copies = users(number).saturating_sub(1) * mesh.triangles.len();
+        copies > MOST_COPIES as usize && !scene.materials[mesh.material].is_emissive()
+    })
 }

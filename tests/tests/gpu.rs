@@ -16,7 +16,7 @@ use jerboa_tests::sources::shared_scenes;
 use jerboa_tests::spirv::gpu;
 
 /// Built-ins of T3: area light, metals and glass under an environment, cut-outs, textures, many lights.
-const BUILTINS: [&str; 5] = ["cornell-box", "material-balls", "alpha", "checkerboard", "many-lights"];
+const BUILTINS: [&str; 6] = ["cornell-box", "material-balls", "alpha", "checkerboard", "many-lights", "pebbles"];
 
 /// Matched scenes of T3.
 const MATCHED: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];

@@ -21,8 +21,8 @@ use jerboa_tests::sources::shared_scenes;
 const LEVELS: [Known; 3] = [Known::Nothing, Known::Structure, Known::All];
 
 /// Built-ins of T3, each with something the others lack: area light, metals and glass under an environment, cut-outs,
-/// textures, many lights.
-const BUILTINS: [&str; 5] = ["cornell-box", "material-balls", "alpha", "checkerboard", "many-lights"];
+/// textures, many lights, instances.
+const BUILTINS: [&str; 6] = ["cornell-box", "material-balls", "alpha", "checkerboard", "many-lights", "pebbles"];
 
 /// Matched scenes of T3.
 const MATCHED: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];

@@ -10,5 +10,5 @@ pub const NAME: &str = "facing";
 
 /// Black where nothing is hit.
 pub fn make_facing_tracer(camera: CameraFn) -> Tracer {
-    make_first_hit_tracer(camera, |(ray, _, _, material)| gray(material.normal.dot(ray.dir).abs()))
+    make_first_hit_tracer(camera, |_, (ray, _, _, material)| gray(material.normal.dot(ray.dir).abs()))
 }

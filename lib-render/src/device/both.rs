@@ -5,14 +5,15 @@
 //! them. What has been hit there is shaded again for it, in one function for all vertices of both paths: a copy for each pair
 //! of classes of surfaces would be many.
 
-use jerboa_ir::lang::{Block, Fun, Row, U32, never};
+use jerboa_ir::lang::{Block, Fun, U32, never};
 
 use crate::core::color::{Color, black};
 use crate::core::vec::Vec3;
 use crate::device::cpu::{Vertex, ask, each_item, follow, is_blocked, splat, unblocked};
 use crate::geometry::make_geometry;
+use crate::geometry::triangle::Triangle;
 use crate::ray::{Hit, Ray};
-use crate::schema::{Geometries, LightVertices, NONE, Primitives};
+use crate::schema::{Geometries, LightVertices, NONE};
 use crate::shader::make_shader;
 use crate::tracer::Tracer;
 use crate::tracer::bidirectional::{FarEnd, LightVertex, Walk, connect};
@@ -85,11 +86,11 @@ fn connect_all(b: &mut Block, traverse: TraverseFn, far_end: FarEndFn, near: Ver
 /// The far end of a connection. It stays a call.
 fn make_far_end() -> FarEndFn {
     let body = |b: &mut Block, _: FarEndFn, (hit, from, point): (Hit, Vec3, Vec3)| {
-        let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
+        let geometry = Triangle::of(b, hit).geometry();
         let none = NONE.into();
         // Neither a surface nor its material depends on the ray that found it.
         let ray = Ray { org: point, dir: -from, tmax: hit.t, skip: none, skip1: none, skip2: none };
-        b.dispatch(Row::<Geometries>::at(geometry), |b, row| {
+        b.dispatch(geometry, |b, row| {
             let geometry = make_geometry(row, make_shader(row.get(Geometries::MATERIAL)));
             let surf = geometry.surface_element.call(b, (ray, hit));
             let mat = geometry.shader.call(b, (ray, hit, surf));

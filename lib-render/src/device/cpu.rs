@@ -10,10 +10,11 @@ use crate::core::color::{Color, black};
 use crate::cutout::make_accept;
 use crate::device::Device;
 use crate::device::pixel::PixelSum;
+use crate::geometry::triangle::Triangle;
 use crate::geometry::{SurfaceElement, make_geometry};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
-use crate::schema::{Frame, Geometries, Primitives, Samples};
+use crate::schema::{Frame, Geometries, Samples};
 use crate::shader::make_shader;
 use crate::tracer::lens::Splat;
 use crate::tracer::{PathState, RayState, Tracer};
@@ -103,8 +104,8 @@ pub(super) fn follow<S: PathState, L: Staged>(
         b.branch(
             hit.is_hit(),
             |b| {
-                let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
-                b.dispatch_left(Row::<Geometries>::at(geometry), |b, row| {
+                let geometry = Triangle::of(b, hit).geometry();
+                b.dispatch_left(geometry, |b, row| {
                     shade(b, tracer, row, hit, (ray, state, sum, closest, shadow), &light, (next, done))
                 })
             },

@@ -17,8 +17,9 @@ use crate::device::Device;
 use crate::device::cpu::item;
 use crate::device::pixel::PixelSum;
 use crate::device::stream::{kernel_name, vertex};
+use crate::geometry::triangle::Triangle;
 use crate::ray::{Hit, Ray};
-use crate::schema::{Frame, Geometries, Paths, Primitives};
+use crate::schema::{Frame, Paths};
 use crate::tracer::{RayState, Tracer};
 use crate::traverse::memory::Memory;
 use crate::traverse::{Tests, traverse_here};
@@ -161,9 +162,9 @@ fn first_turn(ray: Ray, state: RayState, sample: U32) -> Turn {
 
 /// One vertex of the path: the shadow ray is next, or the path goes on, or ends.
 fn shade(b: &mut Block, tracer: Tracer, hit: Hit, turn: Turn, then: Exit<Turn>) -> Left {
-    let geometry = Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY);
+    let geometry = Triangle::of(b, hit).geometry();
     let Turn { ray, state, .. } = turn;
-    b.dispatch_left(Row::<Geometries>::at(geometry), |b, row| {
+    b.dispatch_left(geometry, |b, row| {
         let lit = |_: &mut Block, lit: Option<(Ray, Color)>| {
             let (ray, light) = lit.unwrap_or((ray, black()));
             (Bool::from(lit.is_some()), ray, light)

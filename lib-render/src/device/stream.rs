@@ -24,8 +24,9 @@ use crate::cutout::make_accept;
 use crate::device::Device;
 use crate::device::cpu::item;
 use crate::geometry::make_geometry;
+use crate::geometry::triangle::Triangle;
 use crate::ray::{Hit, Ray};
-use crate::schema::{Geometries, Hits, NONE, Next, Order, Paths, Primitives, Shadows};
+use crate::schema::{Geometries, Hits, NONE, Next, Order, Paths, Shadows};
 use crate::shader::make_shader;
 use crate::tracer::{RayState, Tracer};
 use crate::traverse::turns::{self, Question};
@@ -90,13 +91,8 @@ pub(super) fn ask_nearest(b: &mut Block, i: U32) -> Question {
 /// This.
 pub(super) fn answer_nearest(b: &mut Block, i: U32, hit: Hit) {
     b.store_record(Hits::PRIMITIVE, i, hit);
-    let class = b.if_(hit.is_hit(), |_| geometry(hit).get(Geometries::CLASS), |_| U32::from(NONE));
+    let class = b.if_(hit.is_hit(), |b| Triangle::of(b, hit).geometry().get(Geometries::CLASS), |_| U32::from(NONE));
     b.store(Hits::CLASS, i, class);
-}
-
-/// The geometry that was hit.
-fn geometry(hit: Hit) -> Row<Geometries> {
-    Row::at(Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY))
 }
 
 /// Shade row i: add what the surface emits, ask for light, go on or end. All rows of the range are of one class.
@@ -105,7 +101,7 @@ pub(super) fn shade(b: &mut Block, tracer: Tracer, class: Row<Geometries>, i: U3
     let (ray, state): (Ray, RayState) = b.load_record(Paths::ORG_X, path);
     let account: Account = b.load_record(Paths::R, path);
     let hit: Hit = b.load_record(Hits::PRIMITIVE, path);
-    let row = class.sibling(geometry(hit).index());
+    let row = class.sibling(Triangle::of(b, hit).geometry().index());
     b.dispatch(row, |b, row| store_vertex(b, tracer, row, i, (ray, hit, state), account));
 }
 

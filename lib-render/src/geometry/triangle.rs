@@ -6,6 +6,8 @@ use crate::core::color::{Color, color, white};
 use crate::core::onb::onb;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::Frame3;
+use crate::geometry::place::Place;
+use crate::geometry::plane::Plane;
 use crate::ray::Hit;
 use crate::schema::{Colors, Geometries, Normals, Primitives, Tangents, Uvs, Vertices};
 
@@ -20,8 +22,8 @@ const NOISE: f32 = 1.0 / 1_048_576.0;
 /// A triangle and a point of it.
 #[derive(Clone, Copy)]
 pub struct Triangle {
-    /// Its row.
-    row: Row<Primitives>,
+    /// Where it is.
+    place: Place,
     /// Rows of the corners.
     index: [U32; 3],
     /// Barycentric weights of the point.
@@ -30,10 +32,22 @@ pub struct Triangle {
 
 impl Triangle {
     /// The triangle of a hit, and the point hit.
-    pub fn of(hit: Hit) -> Triangle {
-        let row = Row::<Primitives>::at(hit.primitive);
-        let index = [Primitives::I0, Primitives::I1, Primitives::I2].map(|i| row.get(i));
-        Triangle { row, index, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
+    pub fn of(b: &mut Block, hit: Hit) -> Triangle {
+        let place = Place::of(b, hit.primitive);
+        let [i, j, k] = [Primitives::I0, Primitives::I1, Primitives::I2].map(|i| place.row.get(i));
+        // A mirror turns the winding round; swapping two corners keeps the front where it was.
+        let [(j, u), (k, v)] = place.is_mirrored().select([(k, hit.v), (j, hit.u)], [(j, hit.u), (k, hit.v)]);
+        Triangle { place, index: [i, j, k], weights: [1.0 - hit.u - hit.v, u, v] }
+    }
+
+    /// What it has in common with others.
+    pub fn geometry(self) -> Row<Geometries> {
+        Row::at(self.place.row.get(Primitives::GEOMETRY))
+    }
+
+    /// The light that it is, a row of `Lights`, or `NONE`.
+    pub fn light(self) -> U32 {
+        self.place.row.get(Primitives::LIGHT)
     }
 
     /// A vector attribute at each corner.
@@ -46,7 +60,21 @@ impl Triangle {
 
     /// The corners, world.
     fn positions(self) -> [Vec3; 3] {
-        self.corners([Vertices::X, Vertices::Y, Vertices::Z])
+        self.corners([Vertices::X, Vertices::Y, Vertices::Z]).map(|p| self.place.point(p))
+    }
+
+    /// Its plane, world. That of a triangle in the world is computed at load.
+    pub fn plane(self) -> Plane {
+        let row = self.place.row;
+        let [x, y, z] = [Primitives::NORMAL_X, Primitives::NORMAL_Y, Primitives::NORMAL_Z].map(|n| row.get(n));
+        let error = row.get(Primitives::PLANE_ERROR);
+        let known = Plane { normal: vec3(x, y, z), size: row.get(Primitives::SIZE), error: vec3(error, error, error) };
+        // A ray finds an instance's triangle in its frame, one of the world's in the same place here.
+        let corners = self.positions();
+        let here = Plane::of(corners);
+        let there = self.place.spread(error).zip(here.error, F32::max);
+        let rounding = self.place.rounding(self.blend(corners));
+        self.place.is_placed().select(Plane { error: there.map(|e| e + rounding), ..here }, known)
     }
 
     /// The weighted sum of an attribute.
@@ -56,7 +84,7 @@ impl Triangle {
     }
 
     /// The point, and a bound on the absolute error of each coordinate: γ7 Σ |w p| for the point itself (pbrt, 4th ed.,
-    /// 6.8.5), and [`Primitives::PLANE_ERROR`] for how well a ray that starts there can tell where this plane is. Then
+    /// 6.8.5), and [`Plane::error`] for how well a ray that starts there can tell where this plane is. Then
     /// where rays leave it: the point, moved towards the centroid until it is inside of all three sides whatever was
     /// rounded, by `INWARD` of the triangle and a quarter of γ7 Σ |w p|, which is some roundings.
     pub fn point(self) -> (Vec3, Vec3, Vec3) {
@@ -64,9 +92,10 @@ impl Triangle {
         let point = self.blend(at);
         let [p, q, r] = std::array::from_fn(|i| (at[i] * self.weights[i]).abs());
         let error = (p + q + r).map(|e| e * GAMMA_7);
-        let inward = (error.max_element() / self.row.get(Primitives::SIZE) * 0.25 + INWARD).min(1.0 / 3.0);
+        let plane = self.plane();
+        let inward = (error.max_element() / plane.size * 0.25 + INWARD).min(1.0 / 3.0);
         let to_corners = (at[0] - point) + (at[1] - point) + (at[2] - point);
-        (point, error.map(|e| e + self.row.get(Primitives::PLANE_ERROR)), point + to_corners * inward)
+        (point, error.zip(plane.error, |e, f| e + f), point + to_corners * inward)
     }
 
     /// The edges from the first corner, each divided by one length, so that products neither overflow nor vanish.
@@ -75,12 +104,6 @@ impl Triangle {
         let edges = [p1 - p0, p2 - p0];
         let scale = edges[0].abs().max_element().max(edges[1].abs().max_element());
         edges.map(|e| e / scale)
-    }
-
-    /// Unit normal, on the side where the corners run counter-clockwise.
-    pub fn face_normal(self) -> Vec3 {
-        let [x, y, z] = [Primitives::NORMAL_X, Primitives::NORMAL_Y, Primitives::NORMAL_Z].map(|n| self.row.get(n));
-        vec3(x, y, z)
     }
 
     /// Texture coordinates of both sets; 0 where there are none.
@@ -122,7 +145,7 @@ impl Triangle {
     /// The interpolated normal; the face's where there is none or where it cancels.
     pub fn shading_normal(self, b: &mut Block, row: Row<Geometries>, face: Vec3) -> Vec3 {
         let interpolated = |_: &mut Block| {
-            let n = self.blend(self.corners([Normals::X, Normals::Y, Normals::Z]));
+            let n = self.blend(self.corners([Normals::X, Normals::Y, Normals::Z]).map(|n| self.place.normal(n)));
             let length = n.length();
             length.gt(NOISE).select(n / length, face)
         };
@@ -133,8 +156,10 @@ impl Triangle {
     /// by [`onb`].
     pub fn frame(self, b: &mut Block, row: Row<Geometries>, normal: Vec3) -> Frame3 {
         let given = |_: &mut Block| {
-            let tangent = self.blend(self.corners([Tangents::X, Tangents::Y, Tangents::Z]));
-            frame_along(normal, tangent, Row::at(self.index[0]).get(Tangents::SIGN))
+            let tangents = self.corners([Tangents::X, Tangents::Y, Tangents::Z]).map(|t| self.place.tangent(t));
+            let sign = Row::at(self.index[0]).get(Tangents::SIGN);
+            let sign = self.place.is_mirrored().select(-sign, sign);
+            frame_along(normal, self.blend(tangents), sign)
         };
         let derived =
             |b: &mut Block| b.if_(row.get(Geometries::HAS_UV0), |_| self.frame_by_uv(normal), |_| frame_around(normal));

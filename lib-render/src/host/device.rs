@@ -26,7 +26,8 @@ pub enum DeviceKind {
 /// Who walks the tree on [`DeviceKind::Cpu`]. The image is the same.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Traversal {
-    /// The native walk, where the processor has its instructions and the scene no cut-outs; see [`super::native`].
+    /// The native walk, where the processor has its instructions and no instances of the scene share triangles; see
+    /// [`super::native`].
     #[default]
     Native,
     /// A kernel, as on other devices; see [`crate::traverse`].

@@ -13,7 +13,7 @@ use crate::geometry::triangle::{GAMMA_7, Triangle};
 use crate::light::{DirectLightSample, EmissionSample, Light, first_edge, position, strength};
 use crate::material::{EmissionValue, emitted_radiance};
 use crate::ray::Hit;
-use crate::schema::{Geometries, Lights, Primitives};
+use crate::schema::Lights;
 
 /// An emissive triangle.
 pub fn make_triangle_light(row: Row<Lights>) -> Light {
@@ -103,8 +103,8 @@ fn radiance(b: &mut Block, row: Row<Lights>, weights: Vec2) -> Color {
     let textured = |b: &mut Block| {
         let primitive = row.get(Lights::PRIMITIVE);
         let hit = Hit { primitive, t: 0.0.into(), u: weights.x, v: weights.y };
-        let geometry = Row::<Primitives>::at(primitive).get(Primitives::GEOMETRY);
-        let uv = b.dispatch(Row::<Geometries>::at(geometry), |b, geometry| Triangle::of(hit).uv(b, geometry));
+        let triangle = Triangle::of(b, hit);
+        let uv = b.dispatch(triangle.geometry(), |b, geometry| triangle.uv(b, geometry));
         emitted_radiance(b, row.get(Lights::MATERIAL), uv)
     };
     b.if_(row.get(Lights::TEXTURED), textured, |_| strength(row))

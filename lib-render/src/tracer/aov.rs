@@ -8,7 +8,8 @@ use jerboa_ir::lang::Row;
 use crate::camera::CameraFn;
 use crate::core::color::{Color, color};
 use crate::core::vec::vec3;
-use crate::schema::{Frame, Geometries, Primitives};
+use crate::geometry::triangle::Triangle;
+use crate::schema::{Frame, Geometries};
 use crate::tracer::debug::make_first_hit_tracer;
 use crate::tracer::{Tracer, side_seen};
 
@@ -24,7 +25,7 @@ pub enum Aov {
 
 /// A tracer that shows this.
 pub fn make_aov_tracer(camera: CameraFn, aov: Aov) -> Tracer {
-    make_first_hit_tracer(camera, move |(ray, hit, surf, mat)| -> Color {
+    make_first_hit_tracer(camera, move |b, (ray, hit, surf, mat)| -> Color {
         match aov {
             Aov::Normal => {
                 let normal = side_seen(surf, mat, ray).normal;
@@ -33,8 +34,7 @@ pub fn make_aov_tracer(camera: CameraFn, aov: Aov) -> Tracer {
             Aov::Place => {
                 let frame = Row::<Frame>::at(0u32);
                 let [x, y, z] = [Frame::FORWARD_X, Frame::FORWARD_Y, Frame::FORWARD_Z].map(|c| frame.get(c));
-                let geometry = Row::<Geometries>::at(Row::<Primitives>::at(hit.primitive).get(Primitives::GEOMETRY));
-                let material = geometry.get(Geometries::MATERIAL).index() + 1u32;
+                let material = Triangle::of(b, hit).geometry().get(Geometries::MATERIAL).index() + 1u32;
                 color(hit.t * ray.dir.dot(vec3(x, y, z)), material.to_f32(), 0.0)
             }
         }

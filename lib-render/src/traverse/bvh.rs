@@ -27,7 +27,11 @@ pub struct Bounds {
     pub hi: Vec3,
 }
 
-/// A child of a node, as `host::bvh` refers to it: bit 31 marks a leaf; the others say where in the table it begins.
+/// Marks an instance among leaves.
+const INSTANCE: u32 = 1;
+
+/// A child of a node, as `host::bvh` refers to it: bit 31 marks a leaf, bit 0 of a leaf an instance; the others say where in
+/// the table it begins.
 #[derive(Clone, Copy)]
 pub struct Child {
     /// The reference.
@@ -51,9 +55,29 @@ impl Child {
         self.word.eq(LEAF)
     }
 
+    /// The way back from an instance: one that begins nowhere.
+    pub fn way_back() -> Child {
+        Child { word: (LEAF | INSTANCE).into() }
+    }
+
+    /// Is it [`Child::way_back`]?
+    pub fn is_way_back(self) -> Bool {
+        self.word.eq(LEAF | INSTANCE)
+    }
+
+    /// Is it an instance, or the way back from one? Asked of leaves.
+    pub fn is_instance(self) -> Bool {
+        (self.word & INSTANCE).ne(0)
+    }
+
     /// Is it a leaf?
     pub fn is_leaf(self) -> Bool {
         self.word.ge(LEAF)
+    }
+
+    /// Where an instance begins.
+    pub fn instance(self) -> Child {
+        Child { word: self.word & !(LEAF | INSTANCE) }
     }
 
     /// Where a leaf begins.

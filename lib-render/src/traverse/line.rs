@@ -16,8 +16,8 @@ use crate::schema::Tree;
 use crate::traverse::memory::{Memory, float, word};
 use crate::traverse::{Bool4, F32x4};
 
-/// Growth of boxes, in parts of the farthest corner of the scene's box: 16 · 2^-24, twice the bound of the triangle test.
-const GROWTH: f32 = 1.0 / 1_048_576.0;
+/// Growth of boxes, in parts of the farthest corner of the box around all: 16 · 2^-24, twice the bound of the triangle test.
+pub const GROWTH: f32 = 1.0 / 1_048_576.0;
 /// And in parts of the origin's coordinate, so that the sum is never rounded back: 2^-23.
 const ULP: f32 = 1.0 / 8_388_608.0;
 
@@ -43,8 +43,8 @@ pub struct Line {
 }
 
 impl Line {
-    /// Make a ray ready.
-    pub fn new(b: &mut Block, ray: Ray) -> Line {
+    /// Make a ray ready for the tree around whose box begins at this word, and whose boxes grow so much.
+    pub fn new(b: &mut Block, ray: Ray, around: U32, growth: F32) -> Line {
         let (place, direction) = (lanes(ray.org), lanes(ray.dir));
         let d = abs(direction);
         let [x, y, z] = [0, 1, 2].map(|k| d.extract(k));
@@ -59,10 +59,10 @@ impl Line {
         let axis = [distance(4, 8, 0), distance(8, 0, 4), distance(0, 4, 8)];
 
         // How much boxes grow.
-        let [lo, hi] = [0, 4].map(|at| b.read_run::<_, U32, 4>(Tree::WORD, at).float_of_bits());
+        let [lo, hi] = [0, 4].map(|at| b.read_run::<_, U32, 4>(Tree::WORD, around + at).float_of_bits());
         let reach = largest((place - lo).max(hi - place));
         let (org, dir) = (cycle(place), cycle(direction));
-        let growth = reach * F32x4::splat(GROWTH) + abs(org) * F32x4::splat(ULP);
+        let growth = reach * F32x4::splat(growth) + abs(org) * F32x4::splat(ULP);
         let inv = F32x4::splat(1.0) / dir;
         let forward = with_sign(growth, inv);
         let (org_entry, org_exit) = (org + forward, org - forward);

@@ -30,6 +30,10 @@ pub mod word {
     pub const NEXT: u32 = 12;
     /// And how many have had their answer, counted from the first row.
     pub const ANSWERED: u32 = 13;
+    /// The instance that the walk is in, where it begins; 0 for none.
+    pub const INSTANCE: u32 = 14;
+    /// And that of the best hit.
+    pub const BEST_INSTANCE: u32 = 15;
     /// Children on the stack.
     pub const CHILDREN: u32 = 16;
     /// All of them.
@@ -50,6 +54,8 @@ pub mod float {
     pub const SHEAR: u32 = 48;
     /// The best hit's distance.
     pub const T: u32 = 56;
+    /// Where the instance is entered that the walk is in; 0 for none.
+    pub const FLOOR: u32 = 57;
     /// Where children on the stack are entered.
     pub const ENTRIES: u32 = 64;
     /// All of them.

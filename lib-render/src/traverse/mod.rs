@@ -2,7 +2,8 @@
 //!
 //! A node has four boxes and a leaf four triangles, tested at once ([`bvh`], [`triangle`]); of the boxes that are entered the
 //! walk goes on with the nearest, the others wait on the [`stack`]. A kernel has one ray at a time ([`make_traverse`]) or
-//! several that take [`turns`]; what a walk remembers lies in local [`memory`].
+//! several that take [`turns`]; what a walk remembers lies in local [`memory`]. A leaf may be an `instance`, with a tree of
+//! its own.
 //!
 //! *The hit is a function of the ray, the triangles and `accept`*: of all accepted triangles in range the one of smallest
 //! computed t, then of smallest number. No tree can change it. A triangle counts only if the ray passes its own box too,
@@ -19,6 +20,7 @@ pub mod bvh;
 pub mod triangle;
 pub mod stack;
 pub mod memory;
+mod instance;
 mod lanes;
 mod walk;
 pub mod turns;
@@ -82,7 +84,7 @@ pub fn traverse_here(
     b.loop_(root, |b, child, go_on, done| {
         let leaf = |b: &mut Block| {
             let visit = |b: &mut Block| {
-                let child = walk.leaf(b, child.block(), |_| (ray, accept));
+                let child = walk.leaf(b, child, |_| (ray, accept));
                 go_on.take(b, child)
             };
             b.branch(child.is_nothing(), |b| done.take(b, ()), visit)
@@ -93,5 +95,5 @@ pub fn traverse_here(
         };
         b.branch(child.is_leaf(), leaf, inner)
     });
-    walk.hit(b)
+    walk.hit(b, |_| ray)
 }

@@ -57,7 +57,7 @@ pub fn trace(
         let ended = |b: &mut Block| {
             let row = memory.word(b, word::ROW);
             b.when(row.ne(NONE), |b| {
-                let hit = walk.hit(b);
+                let hit = walk.hit(b, |b| ask(b, row).ray);
                 answer(b, row, hit);
                 memory.set_word(b, word::ROW, NONE);
                 has_answered(b);
@@ -82,7 +82,7 @@ pub fn trace(
             go_on.take(b, turn + WALK)
         };
         let leaf = |b: &mut Block| {
-            let next = walk.leaf(b, child.block(), |b| {
+            let next = walk.leaf(b, child, |b| {
                 let row = memory.word(b, word::ROW);
                 let Question { ray, accept, .. } = ask(b, row);
                 (ray, accept)

@@ -4,6 +4,7 @@ use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, F32, Row, U32, Vector};
 
 use super::bvh::Child;
+use super::instance;
 use super::line::{Line, is_usable};
 use super::memory::{Memory, float, word};
 use super::triangle::{self, Meeting};
@@ -39,8 +40,9 @@ impl Walk {
     pub fn start(self, b: &mut Block, ray: Ray) -> Child {
         self.memory.set_word(b, word::TOP, 0);
         self.set_best(b, Best { t: ray.tmax, primitive: 0.into(), slot: 0.into() });
-        let line = Line::new(b, ray);
+        let line = instance::world_line(b, ray);
         line.keep(b, self.memory);
+        instance::begin(b, self.memory);
         is_usable(ray).select(Child::root(), Child::nothing())
     }
 
@@ -102,9 +104,25 @@ impl Walk {
         child
     }
 
-    /// Visit a leaf: gives what waits, which is nothing where any hit will do and there is one. `asked` gives what is asked:
+    /// What waits, if it is entered no later than the best hit.
+    pub fn next(self, b: &mut Block) -> Child {
+        let limit = self.best(b).t;
+        self.pop(b, limit)
+    }
+
+    /// Visit a leaf: gives what is next, which is nothing where any hit will do and there is one. `asked` gives what is asked:
     /// the ray, and what counts.
-    pub fn leaf(self, b: &mut Block, block: U32, asked: impl Fn(&mut Block) -> (Ray, AcceptFn)) -> Child {
+    pub fn leaf(self, b: &mut Block, leaf: Child, asked: impl Fn(&mut Block) -> (Ray, AcceptFn)) -> Child {
+        let instance = |b: &mut Block| {
+            let (ray, _) = asked(b);
+            instance::visit(b, self, leaf, ray)
+        };
+        let is_instance = instance::are_there() & leaf.is_instance();
+        b.if_(is_instance, instance, |b| self.block(b, leaf.block(), &asked))
+    }
+
+    /// Visit a block of triangles.
+    fn block(self, b: &mut Block, block: U32, asked: &impl Fn(&mut Block) -> (Ray, AcceptFn)) -> Child {
         let line = Line::kept(b, self.memory);
         let corners = triangle::read_corners(b, block, line);
         let is_inside = (self.tests.meet)(line, corners).is_inside;
@@ -114,17 +132,20 @@ impl Walk {
             let own = Line::kept(b, self.memory);
             let line = Line { org: line.org, shear: [line.shear[0], line.shear[1], own.shear[2]], ..own };
             let meeting = (self.tests.meet)(line, corners);
+            let t = instance::not_before(b, self.memory, meeting.t);
             let (best, (ray, accept)) = (self.best(b), asked(b));
-            let primitives = triangle::read_primitives(b, block);
-            let wins = meeting.is_inside & meeting.counts & is_better(ray, meeting.t, primitives, best);
+            let here = triangle::read_primitives(b, block);
+            let primitives = instance::numbers(b, self.memory, here);
+            let wins = meeting.is_inside & meeting.counts & is_better(ray, t, primitives, best);
             let ballot = wins.ballot();
             let some = |b: &mut Block| {
                 let has_cutouts = Row::at(0u32).get(Settings::HAS_CUTOUTS);
                 let accepted = |b: &mut Block| self.accepted(b, block, ballot, best, ray, accept);
-                let best = b.if_(has_cutouts, accepted, |_| nearest(block, wins, meeting.t, primitives));
-                self.set_best(b, best);
-                b.when(self.any_hit & best.slot.ne(0), |b| self.memory.set_word(b, word::TOP, 0));
-                best.t
+                let new = b.if_(has_cutouts, accepted, |_| nearest(block, wins, t, primitives));
+                self.set_best(b, new);
+                instance::found(b, self.memory, new.slot.ne(best.slot) | new.primitive.ne(best.primitive));
+                b.when(self.any_hit & new.slot.ne(0), |b| self.memory.set_word(b, word::TOP, 0));
+                new.t
             };
             b.if_(ballot.ne(0), some, |_| limit)
         };
@@ -136,8 +157,10 @@ impl Walk {
     fn accepted(self, b: &mut Block, block: U32, ballot: U32, best: Best, ray: Ray, accept: AcceptFn) -> Best {
         let step = |b: &mut Block, (ballot, best): (U32, Best)| {
             let slot = block + lanes::lowest(ballot);
-            let primitive = triangle::read_primitive(b, slot);
+            let here = triangle::read_primitive(b, slot);
+            let primitive = instance::number(b, self.memory, here);
             let hit = self.hit_on(b, slot, primitive);
+            let hit = Hit { t: instance::one_not_before(b, self.memory, hit.t), ..hit };
             let closer = hit.t.lt(best.t) | (hit.t.eq(best.t) & primitive.lt(best.primitive));
             let counts = b.if_(closer, |b| accept.call(b, (ray, hit)), |_| Bool::from(false));
             (lanes::without_lowest(ballot), counts.select(Best { t: hit.t, primitive, slot }, best))
@@ -145,11 +168,14 @@ impl Walk {
         b.while_((ballot, best), |_, (ballot, _)| ballot.ne(0), step).1
     }
 
-    /// What was found.
-    pub fn hit(self, b: &mut Block) -> Hit {
+    /// What was found. `asked` gives the ray.
+    pub fn hit(self, b: &mut Block, asked: impl Fn(&mut Block) -> Ray) -> Hit {
         let Best { t, primitive, slot } = self.best(b);
         let is_hit = slot.ne(0);
-        let whole = |b: &mut Block| Hit { t, ..self.hit_on(b, slot, primitive) };
+        let whole = |b: &mut Block| {
+            instance::stand_at_best(b, self.memory, asked);
+            Hit { t, ..self.hit_on(b, slot, primitive) }
+        };
         let part = |_: &mut Block| Hit { primitive: is_hit.select(primitive, NONE.into()), ..Hit::miss(t) };
         b.if_(is_hit & !self.any_hit, whole, part)
     }

@@ -1,8 +1,8 @@
 //! Geometry that is hard on intersection and on shading frames.
 
-use super::shapes::{floor, panel, quad, sky, solid, sphere};
+use super::shapes::{floor, panel, quad, sky, solid, sphere, varied};
 use crate::{Instance, Material, Mesh, Scene};
-use glam::{DAffine3, DVec3, Vec3, Vec4, vec3};
+use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3, Vec4, vec3};
 
 /// No triangles, no light: a black picture and two warnings.
 pub(super) fn empty() -> Scene {
@@ -82,5 +82,27 @@ pub(super) fn odd_normals() -> Scene {
     scene.instances.pop();
     scene.instances.push(Instance { mesh: 3, to_world: mirrored });
     scene.view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 0.5, (384, 128));
+    scene
+}
+
+/// A beach of 512 pebbles, turned, squeezed and mirrored, that are one mesh of 1,280 triangles.
+pub(super) fn pebbles() -> Scene {
+    let mut scene = Scene { environment: Some(sky(16, |d| [0.4 + 0.4 * d.y, 0.5, 0.6])), ..Scene::default() };
+    let sand = scene.paint(Material::diffuse("sand", [0.6, 0.5, 0.4]));
+    let stone = scene.paint(Material::plastic("stone", [0.4, 0.4, 0.45], 0.3));
+    scene.place(floor(Vec3::ZERO, 40.0, 40.0), sand);
+    scene.place(sphere(Vec3::ZERO, 1.0, 3), stone);
+    scene.instances.truncate(1);
+    for i in 0..512_u32 {
+        let [a, b, c] = [0, 1, 2].map(|k| f64::from(varied(3 * i + k)));
+        let at = DVec3::new(f64::from(i % 32) + b - 16.0, 0.15, f64::from(i / 32) + c - 14.0);
+        let mirrored = if i % 5 == 0 { -1.0 } else { 1.0 };
+        let size = DVec3::new(mirrored * (0.25 + 0.2 * a), 0.15 + 0.1 * b, 0.3 + 0.2 * c);
+        let turned = DQuat::from_euler(EulerRot::YXZ, std::f64::consts::TAU * c, 0.4 * a, 0.4 * b);
+        scene
+            .instances
+            .push(Instance { mesh: 1, to_world: DAffine3::from_scale_rotation_translation(size, turned, at) });
+    }
+    scene.view([0.0, 2.5, 6.0], [0.0, 0.0, -2.0], 0.7, (256, 128));
     scene
 }

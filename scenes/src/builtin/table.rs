@@ -297,6 +297,7 @@ pub(super) static BUILTINS: &[Builtin] = &[
         rendered(0.469902, 5.0e-5, 256),
         geometry::odd_normals,
     ),
+    plain("pebbles", "512 pebbles that share the triangles of one mesh", geometry::pebbles),
     hard(
         "empty",
         "no triangles and no light: black, with warnings",

@@ -67,7 +67,7 @@ fn bench() -> Bench {
             "alpha",
             Fun::lam(|b, (u, v): (F32, F32)| {
                 let hit = Hit { primitive: 0.into(), t: 0.0.into(), u, v };
-                Triangle::of(hit).alpha(b, Row::at(0u32))
+                Triangle::of(b, hit).alpha(b, Row::at(0u32))
             }),
         );
         entry(

@@ -21,15 +21,19 @@ use crate::schema::NONE;
 /// Words of a node.
 const NODE: usize = 32;
 /// Words of a block.
-const BLOCK: usize = 40;
+pub(super) const BLOCK: usize = 40;
+/// Words of the box around all.
+pub(super) const HEADER: usize = 8;
 /// Where the empty block is.
-const NOTHING: usize = 8;
+const NOTHING: usize = HEADER;
 /// Where the root is.
-const ROOT: usize = NOTHING + BLOCK;
+pub(super) const ROOT: usize = NOTHING + BLOCK;
 /// Marks a reference to a block.
 const LEAF: u32 = 1 << 31;
+/// Marks among them a reference to an instance; see `instances`. All begin at multiples of eight.
+pub(super) const INSTANCE: u32 = 1;
 /// Words that references can reach.
-const MAX_WORDS: usize = LEAF as usize;
+pub(super) const MAX_WORDS: usize = LEAF as usize;
 
 /// What a node's child is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,28 +70,58 @@ impl BvhNode {
 
 /// The words of a tree over `triangles`; `order` has the number of the triangle in each slot.
 pub(super) fn words(nodes: &[BvhNode], order: &[u32], bounds: &Bounds, triangles: &[Triangle]) -> Vec<u32> {
-    let mut at = ROOT;
-    let starts: Vec<usize> = nodes
-        .iter()
-        .map(|node| {
-            let start = at;
-            at += NODE + BLOCK * node.child.iter().filter(|child| has_block(child)).count();
-            start
-        })
-        .collect();
-    let mut words = with_room(at);
+    let mut words = begin(bounds, size(nodes));
+    push_tree(&mut words, nodes, order, of_triangles(triangles));
+    words
+}
+
+/// How many words a tree takes with what comes before its root.
+pub(super) fn size(nodes: &[BvhNode]) -> usize {
+    ROOT + nodes.iter().map(size_of_node).sum::<usize>()
+}
+
+fn size_of_node(node: &BvhNode) -> usize {
+    NODE + BLOCK * node.child.iter().filter(|child| has_block(child)).count()
+}
+
+/// The words before the root, with room for so many in all.
+pub(super) fn begin(bounds: &Bounds, size: usize) -> Vec<u32> {
+    let mut words = with_room(size);
+    push_bounds(&mut words, bounds);
+    words.extend(block(std::iter::empty()));
+    words
+}
+
+/// A box around all.
+pub(super) fn push_bounds(words: &mut Vec<u32>, bounds: &Bounds) {
     for corner in [bounds.lo, bounds.hi] {
         words.extend([0, 1, 2, 2].map(|k: usize| corner[k].to_bits()));
     }
-    push_block(&mut words, &[], triangles);
+}
+
+/// A tree from its root on. `leaf` gives what marks the reference to the block of some members, and the block.
+pub(super) fn push_tree(
+    words: &mut Vec<u32>,
+    nodes: &[BvhNode],
+    order: &[u32],
+    leaf: impl Fn(&[u32]) -> (u32, [u32; BLOCK]),
+) {
+    let mut at = words.len();
+    let begins = |node| {
+        at += size_of_node(node);
+        at - size_of_node(node)
+    };
+    let starts: Vec<usize> = nodes.iter().map(begins).collect();
     for (node, start) in nodes.iter().zip(&starts) {
-        let mut block = start + NODE;
+        let mut blocks = Vec::new();
         let references = node.child.map(|child| match child {
             ChildRef::Inner(index) => starts[index as usize] as u32,
             ChildRef::Leaf { count: 0, .. } => LEAF | NOTHING as u32,
-            ChildRef::Leaf { .. } => {
-                block += BLOCK;
-                LEAF | (block - BLOCK) as u32
+            ChildRef::Leaf { first, count } => {
+                let place = start + NODE + blocks.len();
+                let (mark, block) = leaf(&order[first as usize..][..count as usize]);
+                blocks.extend(block);
+                LEAF | mark | place as u32
             }
         });
         for k in 0..3 {
@@ -96,25 +130,30 @@ pub(super) fn words(nodes: &[BvhNode], order: &[u32], bounds: &Bounds, triangles
         }
         words.extend(references);
         words.extend([0; 4]);
-        for child in node.child.iter().filter(|child| has_block(child)) {
-            if let ChildRef::Leaf { first, count } = *child {
-                push_block(&mut words, &order[first as usize..][..count as usize], triangles);
-            }
-        }
+        words.extend(blocks);
     }
-    words
 }
 
 fn has_block(child: &ChildRef) -> bool {
     matches!(child, ChildRef::Leaf { count: 1.., .. })
 }
 
-fn push_block(words: &mut Vec<u32>, numbers: &[u32], triangles: &[Triangle]) {
-    for (corner, k) in (0..9).map(|i| (i / 3, i % 3)) {
-        let coordinate = |number: &u32| triangles[*number as usize][corner][k];
-        words.extend([0, 1, 2, 3].map(|lane| numbers.get(lane).map_or(f32::NAN, coordinate).to_bits()));
+/// Leaves of triangles, which the members number.
+pub(super) fn of_triangles(triangles: &[Triangle]) -> impl Fn(&[u32]) -> (u32, [u32; BLOCK]) {
+    |members| (0, block(members.iter().map(|number| (*number, &triangles[*number as usize]))))
+}
+
+/// A block of at most four triangles, and their numbers.
+pub(super) fn block<'t>(triangles: impl Iterator<Item = (u32, &'t Triangle)>) -> [u32; BLOCK] {
+    let nothing = |at: usize| if at < BLOCK - MAX_LEAF { f32::NAN.to_bits() } else { NONE };
+    let mut words: [u32; BLOCK] = std::array::from_fn(nothing);
+    for (lane, (number, triangle)) in triangles.enumerate() {
+        for (place, x) in triangle.as_flattened().iter().enumerate() {
+            words[MAX_LEAF * place + lane] = x.to_bits();
+        }
+        words[BLOCK - MAX_LEAF + lane] = number;
     }
-    words.extend([0, 1, 2, 3].map(|lane| numbers.get(lane).copied().unwrap_or(NONE)));
+    words
 }
 
 /// A tree, laid out.
@@ -124,14 +163,12 @@ pub(super) struct LaidOut {
     pub depth: usize,
     /// Children that wait at most while a walk is anywhere in the tree.
     pub waiting: usize,
-    /// Leaves.
-    blocks: usize,
 }
 
 impl LaidOut {
     /// How many words [`words`] makes of it.
     pub fn size(&self) -> usize {
-        ROOT + NODE * self.nodes.len() + BLOCK * self.blocks
+        size(&self.nodes)
     }
 
     /// Can a walk's stack hold what waits, and a reference reach every word?
@@ -141,9 +178,9 @@ impl LaidOut {
 }
 
 /// Makes nodes of four from nodes of two: in place of the largest inner child come its own, until there are four. A subtree
-/// of at most four triangles is a leaf.
+/// of at most four triangles is a leaf, and so is an instance.
 pub(super) fn lay_out(tree: &Tree) -> LaidOut {
-    let out = LaidOut { nodes: Vec::new(), order: Vec::new(), depth: 0, waiting: 0, blocks: 0 };
+    let out = LaidOut { nodes: Vec::new(), order: Vec::new(), depth: 0, waiting: 0 };
     let mut writer = Writer { tree, counts: tree.counts(), out };
     writer.write(vec![tree.root()], 1, 0);
     writer.out
@@ -181,7 +218,6 @@ impl Writer<'_> {
             self.out.nodes[index].bounds[lane] = self.tree.bounds_of(*child);
             if self.is_leaf(*child) {
                 let first = self.out.order.len() as u32;
-                self.out.blocks += 1;
                 self.tree.members(*child, &mut self.out.order);
                 let count = self.out.order.len() as u32 - first;
                 self.out.nodes[index].child[lane] = ChildRef::Leaf { first, count };

@@ -7,7 +7,8 @@
 //!    2017) where a rehearsal says that it will make progress;
 //! 3. `sah` splits where it would not, or where the tree came out too deep for the stack of a walk (the matched kitchen);
 //! 4. `median` splits at the median where that does not help: coincident triangles, sizes over many magnitudes;
-//! 5. `layout` makes nodes of four of nodes of two and writes them depth first, the larger child first.
+//! 5. `layout` makes nodes of four of nodes of two and writes them depth first, the larger child first;
+//! 6. `instances` puts trees into the leaves of a tree, where instances share their triangles.
 //!
 //! So the build ends on every input, in time n·log n but for `obvhs`' own, and its depth never exceeds [`MAX_DEPTH`].
 //!
@@ -27,6 +28,7 @@
 
 mod agglomerate;
 mod bounds;
+mod instances;
 mod layout;
 mod median;
 pub(super) mod pages;
@@ -39,6 +41,7 @@ mod tests;
 pub(super) mod tree;
 
 pub use bounds::Bounds;
+pub use instances::{Instanced, MeshTree, Placement};
 pub use layout::{BvhNode, ChildRef};
 pub use prefilter::{Dropped, can_be_hit};
 use tree::Tree;
@@ -107,6 +110,11 @@ impl Bvh {
             ChildRef::Leaf { .. } => vec![own],
         });
         below.filter(|part| *part != Bounds::EMPTY).collect()
+    }
+
+    /// Words of the tree in memory.
+    pub(super) fn size(&self) -> usize {
+        layout::size(&self.nodes)
     }
 
     /// The tree in memory, with the corners of `triangles`, those it was built over: see `layout`.

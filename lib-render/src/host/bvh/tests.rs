@@ -273,3 +273,72 @@ fn references_lead_to_nodes_and_blocks() {
     found.sort_unstable();
     assert_eq!(found, (0..100).collect::<Vec<_>>());
 }
+
+/// A hundred instances of two meshes among triangles of the world.
+fn instances(random: &mut Random) -> (Vec<(u32, Triangle)>, Vec<MeshTree>, Vec<Placement>) {
+    let in_world = (7000..).zip(soup(random, 50, 0.1)).collect();
+    let trees = vec![MeshTree::build(soup(random, 30, 0.3)), MeshTree::build(soup(random, 40, 0.3))];
+    let placement = |i: u32| {
+        let lo = random.point();
+        let bounds = Bounds { lo, hi: lo.map(|x| x + 0.1) };
+        Placement { tree: i as usize % 2, first: 50 * i, bounds, zero: lo, to_frame: [[i as f32; 3]; 3] }
+    };
+    let placements = (0..100).map(placement).collect();
+    (in_world, trees, placements)
+}
+
+#[test]
+fn references_lead_to_instances_and_on_to_their_meshes() {
+    let (in_world, trees, placements) = instances(&mut random());
+    let words = Instanced::build(&in_world, &trees, &placements).expect("it fits").words;
+    let mut meshes = [None; 2];
+    let (mut open, mut firsts, mut numbers) = (vec![48], Vec::new(), Vec::<u32>::new());
+    while let Some(at) = open.pop() {
+        for &child in &words[at + 24..][..4] {
+            let place = (child & !(1 << 31 | 1)) as usize;
+            match (child >> 31, child & 1) {
+                (0, _) => open.push(place),
+                (_, 0) => numbers.extend(words[place + 36..][..4].iter().filter(|n| **n != crate::schema::NONE)),
+                _ => {
+                    let [mesh, first] = [words[place + 36], words[place + 37]];
+                    let placement = &placements[first as usize / 50];
+                    let planes = (0..3).flat_map(|k| [placement.bounds.lo[k], placement.bounds.hi[k]]);
+                    assert!(words[place..][..24].chunks(4).map(|p| f32::from_bits(p[0])).eq(planes));
+                    assert_eq!(f32::from_bits(words[place + 24]), placement.to_frame[0][0]);
+                    assert_eq!([0, 1, 2].map(|k| f32::from_bits(words[place + 33 + k])), placement.zero);
+                    assert_eq!(*meshes[placement.tree].get_or_insert(mesh), mesh);
+                    firsts.push(first);
+                }
+            }
+        }
+    }
+    firsts.sort_unstable();
+    numbers.sort_unstable();
+    assert!(firsts.into_iter().eq((0..100).map(|i| 50 * i)) && numbers.into_iter().eq(7000..7050));
+    // Behind its box a mesh's tree, with numbers of its own.
+    for (mesh, count) in meshes.into_iter().zip([30, 40]) {
+        let (mut open, mut numbers) = (vec![mesh.expect("it has instances") as usize + 8], Vec::<u32>::new());
+        while let Some(at) = open.pop() {
+            for &child in &words[at + 24..][..4] {
+                let place = (child & !(1 << 31)) as usize;
+                match child >> 31 {
+                    0 => open.push(place),
+                    _ => numbers.extend(words[place + 36..][..4].iter().filter(|n| **n != crate::schema::NONE)),
+                }
+            }
+        }
+        numbers.sort_unstable();
+        assert!(numbers.into_iter().eq(0..count));
+    }
+}
+
+#[test]
+fn what_a_walk_could_not_hold_is_not_built() {
+    let (in_world, trees, placements) = instances(&mut random());
+    let [whole, alone] = [&placements[..], &[]].map(|placements| {
+        let fits = |most: &usize| Instanced::within(*most, &in_world, &trees, placements).is_some();
+        (0..=MAX_WAITING).find(fits).expect("with the whole stack it fits")
+    });
+    println!("{whole} wait with instances, {alone} without");
+    assert!(whole > alone && alone > 0);
+}

@@ -1,6 +1,6 @@
 //! The tree between building and laying out: children before parents, the root last.
 
-use super::Bounds;
+use super::{Bounds, MAX_LEAF};
 
 /// A node's index in its tree.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +25,8 @@ pub(in crate::host) struct Tree {
     nodes: Vec<Node>,
     /// Box numbers, leaf by leaf.
     pub order: Vec<u32>,
+    /// Boxes from this number on have a leaf each, and count as if they filled it.
+    apart: Option<u32>,
 }
 
 impl Tree {
@@ -60,12 +62,35 @@ impl Tree {
         &self.nodes[node.0 as usize].kind
     }
 
+    /// The same tree, but that boxes from this number on have a leaf each.
+    pub fn set_apart(&self, first: u32, boxes: &[Bounds]) -> Tree {
+        let mut tree = Tree { apart: Some(first), ..Tree::default() };
+        let mut new: Vec<NodeId> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            new.push(match &node.kind {
+                Kind::Inner(children) => tree.inner(children.map(|child| new[child.0 as usize])),
+                Kind::Leaf(range) => {
+                    let (apart, together): (Vec<u32>, Vec<u32>) =
+                        self.order[range.clone()].iter().partition(|member| **member >= first);
+                    let rest = (apart.is_empty() || !together.is_empty()).then(|| tree.leaf(&together, boxes));
+                    let each = apart.iter().map(|member| tree.leaf(&[*member], boxes));
+                    let leaves: Vec<NodeId> = rest.into_iter().chain(each).collect();
+                    leaves.into_iter().reduce(|a, b| tree.inner([a, b])).expect("there is a leaf")
+                }
+            });
+        }
+        tree
+    }
+
     /// For each node, the number of boxes below it.
     pub fn counts(&self) -> Vec<usize> {
         let mut counts: Vec<usize> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             counts.push(match &node.kind {
-                Kind::Leaf(range) => range.len(),
+                Kind::Leaf(range) => match self.apart {
+                    Some(first) if self.order[range.start..].first().is_some_and(|one| *one >= first) => MAX_LEAF,
+                    _ => range.len(),
+                },
                 Kind::Inner(children) => children.iter().map(|child| counts[child.0 as usize]).sum(),
             });
         }

@@ -13,7 +13,8 @@
 //!
 //! Over few triangles there is no tree, and sixteen rays at once are tested against one triangle after the other.
 //!
-//! It is there where the processor has what it takes. Whether a hit on a cut-out counts is for a kernel to say, so triangles
+//! It is there where the processor has what it takes, for scenes whose instances share no triangles: trees within trees are
+//! left to the kernels. Whether a hit on a cut-out counts is for a kernel to say, so triangles
 //! that may have holes are in the kernels' tree, the others in this one; the better of two hits is the hit on all.
 
 #[cfg(target_arch = "x86_64")]

@@ -1,12 +1,14 @@
-//! Triangles, vertices and their attributes, in world coordinates.
+//! Triangles, vertices and their attributes, in world coordinates or in the frames that instances share.
 
 use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
+use jerboa_ir::lang::Buf;
 use jerboa_scenes::{Instance, Mesh, Scene};
 
 use super::memory::{Memory, Table};
 use super::plane::Plane;
+use super::sharing::{Sharing, in_frame};
 use crate::host::bvh::Triangle;
 use crate::schema::*;
 
@@ -43,17 +45,43 @@ pub struct Geometry {
     uvs: Table<Uvs>,
     tangents: Table<Tangents>,
     colors: Table<Colors>,
+    instances: Table<Instances>,
 }
 
 impl Geometry {
-    /// Lay out all instances. Which primitives are lights is [`super::lights::mark`]'s to say.
-    pub fn new(scene: &Scene, origin: DVec3) -> Geometry {
+    /// Lay out all instances, once those that share. Which primitives are lights is [`super::lights::mark`]'s to say.
+    pub fn new(scene: &Scene, origin: DVec3, sharing: &Sharing) -> Geometry {
+        use Instances as I;
         let mut geometry = Geometry::default();
-        let mut rows = HashMap::new();
-        for instance in &scene.instances {
-            geometry.add(instance, &scene.meshes[instance.mesh], origin, &mut rows);
+        let (mut rows, mut shared) = (HashMap::new(), HashMap::new());
+        let has_instances = sharing.iter().any(Option::is_some);
+        let (mut first, mut is_world_last) = (0_u32, false);
+        for (instance, placing) in scene.instances.iter().zip(sharing) {
+            let mesh = &scene.meshes[instance.mesh];
+            let next = geometry.primitives.rows();
+            if let Some(placing) = placing {
+                let row = *shared.entry(instance.mesh).or_insert_with(|| {
+                    geometry.add(&in_frame(instance.mesh, mesh), mesh, DVec3::ZERO, &mut rows);
+                    next
+                });
+                let mut run = geometry.instances.push();
+                run.set(I::FIRST, first).set(I::TO_ROW, row.wrapping_sub(first));
+                placing.set(&mut run);
+            } else {
+                if has_instances && !is_world_last {
+                    geometry.instances.push().set(I::FIRST, first).set(I::TO_ROW, next.wrapping_sub(first));
+                }
+                geometry.add(instance, mesh, origin, &mut rows);
+            }
+            is_world_last = placing.is_none();
+            first += mesh.triangles.len() as u32;
         }
         geometry
+    }
+
+    /// Rows of [`Instances`].
+    pub fn instance_count(&self) -> u32 {
+        self.instances.rows()
     }
 
     /// One instance: its vertices, its triangles and the row that says what they have in common.
@@ -137,8 +165,8 @@ impl Geometry {
         }
     }
 
-    /// The tables of primitives, geometries, vertices, normals, texture coordinates, tangents and colours.
-    pub fn finish(self) -> [Memory; 7] {
+    /// The tables of primitives, geometries, vertices, normals, texture coordinates, tangents, colours and instances.
+    pub fn finish(self) -> [Memory; 8] {
         [
             self.primitives.finish(),
             self.geometries.finish(),
@@ -147,7 +175,18 @@ impl Geometry {
             self.uvs.finish(),
             self.tangents.finish(),
             self.colors.finish(),
+            self.instances.finish(),
         ]
+    }
+}
+
+/// Makes rows of [`Primitives`] of the numbers in pairs, by the table of [`Instances`].
+pub fn to_rows(instances: &Memory, pairs: &mut [(u32, u32)]) {
+    let runs = instances.words.chunks_exact(Instances::COLUMNS.len());
+    let runs: Vec<[u32; 2]> = runs.map(|r| [Instances::FIRST.0, Instances::TO_ROW.0].map(|c| r[c as usize])).collect();
+    for (number, _) in pairs {
+        let run = runs.partition_point(|[first, _]| first <= number) - 1;
+        *number = number.wrapping_add(runs[run][1]);
     }
 }
 

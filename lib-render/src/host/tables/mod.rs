@@ -5,6 +5,7 @@
 //! * [`memory`]: typed rows over words,
 //! * [`camera`]: the kinds of cameras,
 //! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`]: what each table holds,
+//! * [`sharing`], [`placing`]: instances that share the triangles of their mesh,
 //! * `tree`: the tree over all triangles,
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
 
@@ -16,6 +17,8 @@ pub mod models;
 mod lobes;
 pub mod geometry;
 pub mod plane;
+pub mod placing;
+pub mod sharing;
 pub mod lights;
 mod tree;
 pub mod classes;
@@ -59,6 +62,8 @@ pub struct Choices {
     pub occlusion_distance: f32,
     /// The kind of the camera; none for that of the scene's first one, else a pinhole. Which camera of that kind it is never matters.
     pub camera: Option<CameraKind>,
+    /// Most triangles of a mesh's copies in the world before its instances share them; see [`sharing`].
+    pub most_copies: u32,
 }
 
 impl Default for Choices {
@@ -71,6 +76,7 @@ impl Default for Choices {
             ray_offset: 0.0,
             occlusion_distance: f32::INFINITY,
             camera: None,
+            most_copies: sharing::MOST_COPIES,
         }
     }
 }
@@ -100,10 +106,12 @@ pub struct Tables {
     cutouts: Vec<bool>,
     /// Images whose texels are laid out, in their order.
     images: Vec<usize>,
-    /// Primitives that are lights, and which.
+    /// Rows of primitives that are lights, and which.
     marks: Vec<(u32, u32)>,
     /// Whose kernels read it.
     pub library: Library,
+    /// Which instances were to share their triangles.
+    shared: Vec<bool>,
 }
 
 /// How far a change of a scene reaches beyond materials, textures and settings.
@@ -134,13 +142,20 @@ impl Tables {
 
         // The tree first: building it takes more memory than anything else, and what is here by then comes on top.
         let origin = geometry::origin(scene);
-        let triangles = geometry::triangles(scene, origin);
-        let start = Instant::now();
+        let mut sharing = sharing::sharing(scene, origin, choices.most_copies);
+        let shared = are_some(&sharing);
         let cutouts = tree::cutouts(scene);
-        let SceneTree { words, native, bounds, dropped } = SceneTree::new(scene, &triangles, &cutouts, traversal);
+        let mut start = Instant::now();
+        let instanced = if shared.contains(&true) { sharing::tree(scene, origin, &sharing) } else { None };
+        let tree = instanced.map(SceneTree::from).unwrap_or_else(|| {
+            sharing.fill(None);
+            let triangles = geometry::triangles(scene, origin);
+            start = Instant::now();
+            SceneTree::new(scene, &triangles, &cutouts, traversal)
+        });
         let bvh_time = start.elapsed();
+        let SceneTree { words, native, bounds, dropped } = tree;
         put(binding::<Tree>(), words);
-        drop(triangles);
 
         // Materials and what they look up.
         let mut textures = textures::Textures::new(scene, components);
@@ -153,8 +168,9 @@ impl Tables {
         put(binding::<SrgbCurve>(), textures::srgb_curve());
 
         // Triangles.
-        let geometry = geometry::Geometry::new(scene, origin);
-        let [primitives, geometries, vertices, normals, uvs, tangents, colors] = geometry.finish();
+        let geometry = geometry::Geometry::new(scene, origin, &sharing);
+        let instance_count = geometry.instance_count();
+        let [primitives, geometries, vertices, normals, uvs, tangents, colors, instances] = geometry.finish();
         put(binding::<Primitives>(), primitives);
         put(binding::<Geometries>(), geometries);
         put(binding::<Vertices>(), vertices);
@@ -165,7 +181,9 @@ impl Tables {
 
         // Lights.
         let radius = radius(&bounds);
-        let lights = lights::lights(scene, origin, radius, components);
+        let mut lights = lights::lights(scene, origin, radius, components);
+        geometry::to_rows(&instances, &mut lights.marks);
+        put(binding::<Instances>(), instances);
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
@@ -175,7 +193,7 @@ impl Tables {
         put(binding::<EnvironmentRows>(), rows);
 
         let camera = choices.camera.unwrap_or_else(|| CameraKind::of_scene(scene));
-        put(binding::<Settings>(), settings(scene, choices, camera, lights.count));
+        put(binding::<Settings>(), settings(scene, choices, camera, lights.count, instance_count));
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
@@ -196,12 +214,18 @@ impl Tables {
             cutouts,
             images,
             marks,
+            shared,
             library: library.clone(),
         }
     }
 
     /// The same scene after a change of materials, textures or lights. What has not changed is shared.
     pub fn changed(&self, scene: &Scene, choices: &Choices, known: Known, change: Change) -> Tables {
+        // What begins or ceases to emit is laid out in another way.
+        if are_some(&sharing::sharing(scene, self.origin, choices.most_copies)) != self.shared {
+            let choices = Choices { camera: Some(self.camera), ..*choices };
+            return Tables::of(&self.library, scene, &choices, known, self.traversal);
+        }
         let mut new = self.clone();
         let components = self.library.components();
         let mut put = |binding: usize, m: Memory| new.memory[binding] = Arc::new(m);
@@ -222,15 +246,18 @@ impl Tables {
             put(binding::<Tree>(), tree.words);
             (new.native, new.cutouts) = (tree.native, cutouts);
         }
-        let mut count = self.memory[binding::<Settings>()].words[Settings::LIGHT_COUNT.0 as usize];
+        let settings_before = &self.memory[binding::<Settings>()].words;
+        let [mut count, instance_count] =
+            [Settings::LIGHT_COUNT, Settings::INSTANCE_COUNT].map(|column| settings_before[column.0 as usize]);
         if change.lights {
-            let lights = lights::lights(scene, self.origin, self.radius, components);
+            let mut lights = lights::lights(scene, self.origin, self.radius, components);
+            geometry::to_rows(&self.memory[binding::<Instances>()], &mut lights.marks);
             put(binding::<Lights>(), lights.lights);
             put(binding::<LightChoice>(), lights.choice);
             lights::mark(&mut new.memory[binding::<Primitives>()], &self.marks, &lights.marks);
             (count, new.marks) = (lights.count, lights.marks);
         }
-        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, count));
+        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, count, instance_count));
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
         new
     }
@@ -248,7 +275,12 @@ fn radius(bounds: &Bounds) -> f32 {
     if *bounds == Bounds::EMPTY { 0.0 } else { ((hi - lo).length() / 2.0) as f32 }
 }
 
-fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: u32) -> Memory {
+/// Which instances share?
+fn are_some(sharing: &sharing::Sharing) -> Vec<bool> {
+    sharing.iter().map(Option::is_some).collect()
+}
+
+fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: u32, instances: u32) -> Memory {
     use Settings as S;
     let mut table = Table::<S>::new();
     table
@@ -267,6 +299,8 @@ fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: u32) -
         .set(S::HAS_ONE_LIGHT, lights == 1)
         .set(S::LIGHT_COUNT, lights)
         .set(S::HAS_CUTOUTS, tree::cutouts(scene).contains(&true))
+        .set(S::HAS_INSTANCES, instances > 0)
+        .set(S::INSTANCE_COUNT, instances)
         .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs))
         .set(S::CAMERA, camera.row());
     table.finish()

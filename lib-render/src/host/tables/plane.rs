@@ -2,16 +2,9 @@
 
 use jerboa_ir::lang::{Col, F32};
 
+use crate::geometry::plane::{HIT_ERROR, MOST_THIN};
 use crate::host::bvh::Triangle;
 use crate::schema::Primitives;
-
-/// The triangle test finds a plane through the origin of its ray within 8 · 2^-24 of the triangle's size, if that is well
-/// shaped; without this part a surface in a coordinate plane, whose points have no error there, would meet its coincident
-/// twin. A thin triangle's plane is found less well, by its size over its altitude; but no more than eight times is granted,
-/// so that the whole stays below 1e-5 of the size (accuracy.md, T10).
-const HIT_ERROR: f32 = 1.0 / 2_097_152.0;
-/// See [`HIT_ERROR`].
-const MOST_THIN: f32 = 8.0;
 
 /// A triangle's plane. Rounded step by step in f32, so that a table scaled by a power of two gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use jerboa_scenes::{AlphaMode, Scene};
 
 use super::memory::Memory;
-use crate::host::bvh::{Bounds, Bvh, Dropped, Triangle};
+use crate::host::bvh::{Bounds, Bvh, Dropped, Instanced, Triangle};
 use crate::host::device::Traversal;
 use crate::host::native::Native;
 
@@ -29,6 +29,16 @@ pub(super) fn cutouts(scene: &Scene) -> Vec<bool> {
 
 /// No triangle: a tree drops it, and the others keep their numbers.
 const NOWHERE: Triangle = [[f32::NAN; 3]; 3];
+
+impl From<Instanced> for SceneTree {
+    fn from(Instanced { words, bounds, dropped }: Instanced) -> SceneTree {
+        SceneTree { words: memory(words), native: None, bounds, dropped }
+    }
+}
+
+fn memory(words: Vec<u32>) -> Memory {
+    Memory { rows: words.len() as u32, words }
+}
 
 impl SceneTree {
     /// The trees over the triangles of a scene, where surfaces of these materials have holes.
@@ -60,8 +70,6 @@ impl SceneTree {
     }
 
     fn of(bvh: &Bvh, triangles: &[Triangle], native: Option<Arc<Native>>, dropped: Dropped) -> SceneTree {
-        let words = bvh.words(triangles);
-        let words = Memory { rows: words.len() as u32, words };
-        SceneTree { words, native, bounds: bvh.bounds, dropped }
+        SceneTree { words: memory(bvh.words(triangles)), native, bounds: bvh.bounds, dropped }
     }
 }
