@@ -20,6 +20,7 @@
 //! * [`library`]: components, a user's among them, and their generic programs,
 //! * [`gpu`]: the devices on a GPU,
 //! * [`rays`]: raw tracing, in rays per second,
+//! * [`ahead`]: memory asked for what kernels will read,
 //! * [`clock`], [`stages`]: time that a thread ran for, and on what,
 //! * [`effort`]: how much there is to write and to read,
 //! * [`figures`]: the other experiments of the paper.
@@ -36,6 +37,7 @@ pub mod gpu;
 pub mod clock;
 pub mod stages;
 pub mod wave;
+pub mod ahead;
 pub mod work;
 pub mod renderer;
 pub mod edit;

@@ -11,6 +11,7 @@ use jerboa_backend_cranelift::Binding;
 use jerboa_ir::Layout;
 use jerboa_ir::lang::{Buf, Col};
 
+use super::ahead::{Ahead, Needs, PATHS};
 use super::dispatch::{call, tables_bound};
 use super::error::Error;
 use super::generate::Generated;
@@ -24,6 +25,8 @@ use crate::schema::{Frame, Hits, NONE, Next, Order, Paths, Shadows, binding};
 pub struct Wave {
     /// As [`super::device::DeviceKind::requests`] lists them.
     kernels: Vec<Arc<Generated>>,
+    /// What each kernel reads.
+    needs: Vec<Needs>,
     /// Paths in flight on each thread.
     slots: u32,
     /// Streams that no thread uses just now.
@@ -40,7 +43,8 @@ const SHADE: usize = 4;
 impl Wave {
     /// A device with so many paths in flight on each thread, at least 1.
     pub fn new(kernels: Vec<Arc<Generated>>, slots: u32) -> Wave {
-        Wave { kernels, slots, idle: Mutex::default() }
+        let needs = kernels.iter().map(|k| Needs::of(&k.residual.program)).collect();
+        Wave { kernels, needs, slots, idle: Mutex::default() }
     }
 
     /// The kernels.
@@ -182,10 +186,25 @@ impl Thread<'_, '_> {
         let ranges = self.sort();
         let (missed, hit) = ranges.split_last().expect("there is the range of misses");
         for (class, range) in hit.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
-            self.dispatch(Stage::Shade, SHADE + class, range.len() as u32, &[0, range.start, range.end])?;
+            self.shade(SHADE + class, range.clone())?;
         }
         self.dispatch(Stage::Miss, MISS, missed.len() as u32, &[missed.start, missed.end])?;
         self.shadow(0..missed.start)
+    }
+
+    /// Shade these rows of `order`: all at once, or some at a time where the memory is asked for what they read.
+    fn shade(&mut self, kernel: usize, rows: Range<u32>) -> Result<(), Error> {
+        let Some(mut ahead) = Ahead::new(self.tables, self.wave.needs[kernel]) else {
+            return self.dispatch(Stage::Shade, kernel, rows.len() as u32, &[0, rows.start, rows.end]);
+        };
+        for first in rows.clone().step_by(PATHS as usize) {
+            let end = rows.end.min(first + PATHS);
+            let Streams { paths, hits, order, .. } = &self.streams;
+            let part = &order.words[first as usize..end as usize];
+            self.clock.stage(Stage::Shade, 0, || ahead.ask(part, paths, hits));
+            self.dispatch(Stage::Shade, kernel, end - first, &[0, first, end])?;
+        }
+        Ok(())
     }
 
     /// The nearest hits of these paths.

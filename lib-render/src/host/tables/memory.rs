@@ -6,6 +6,8 @@ use jerboa_ir::Layout;
 pub use jerboa_ir::interp::Memory;
 use jerboa_ir::lang::{Bool, Buf, Col, F32, I32, Row, U32};
 
+use crate::host::bvh::pages::with_room;
+
 /// A staged type that has a host counterpart in one word of memory.
 pub trait Word {
     /// The host's type.
@@ -57,10 +59,10 @@ impl<B: Buf> Table<B> {
         Table::default()
     }
 
-    /// An empty table with room for so many rows.
+    /// An empty table with room for so many rows, in large pages if it can be: they are read all over.
     pub fn with_rows(rows: usize) -> Self {
         let mut table = Table::default();
-        table.memory.words.reserve_exact(rows * B::COLUMNS.len());
+        table.memory.words = with_room(rows * B::COLUMNS.len());
         table
     }
 
