@@ -54,6 +54,9 @@
 //! rasterisers), occlusion textures (they stand for ambient light, which a path tracer computes), minification filters
 //! (many samples per pixel replace mipmaps), `min`/`max` of accessors, colour profiles in images (glTF says so).
 //!
+//! MikkTSpace, by which glTF wants the tangents that a mesh lacks: the frame of a normal map follows each triangle's own
+//! texture coordinates. Its means over vertices differ where those bend; Khronos's models for tangents show no difference.
+//!
 //! # Defaults that surprise
 //!
 //! A material without metallicFactor and roughnessFactor is a rough *metal*; without a sampler a texture repeats and is

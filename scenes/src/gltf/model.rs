@@ -35,7 +35,8 @@ impl<'a> Loader<'a> {
 }
 
 fn named<'a>(material: &Json<'a>) -> Option<Json<'a>> {
-    material.get("extras")?.get("bsdf")
+    // A mere word there is another program's.
+    material.get("extras")?.get("bsdf").filter(|at| !at.value.is_string())
 }
 
 /// A number, or an array of numbers.

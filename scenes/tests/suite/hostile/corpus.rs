@@ -191,7 +191,7 @@ impl Corpus {
             d["scene"] = json!(null);
         });
         self.vary("scene-out-of-range", |d| d["scene"] = json!(4));
-        self.vary("required-draco", |d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
+        self.vary("required-meshopt", |d| d["extensionsRequired"] = json!(["EXT_meshopt_compression"]));
         self.vary("required-unknown", |d| d["extensionsRequired"] = json!(["FOO_bar"]));
         self.vary("used-unknown", |d| d["extensionsUsed"] = json!(["FOO_bar"]));
     }
