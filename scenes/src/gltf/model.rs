@@ -11,9 +11,11 @@ impl<'a> Loader<'a> {
         let Some(at) = named(material) else {
             return Ok(None);
         };
-        let properties = at.value.as_object().ok_or_else(|| at.fault("not an object"))?;
+        let properties = at.value.as_object().into_iter().flatten();
         let mut model = Model::named(at.need("model")?.text()?);
-        for name in properties.keys().filter(|name| !["model", "first", "second"].contains(&name.as_str())) {
+        for name in
+            properties.map(|(name, _)| name).filter(|name| !["model", "first", "second"].contains(&name.as_str()))
+        {
             let numbers = at.get(name).map_or(Ok(Vec::new()), |place| numbers(&place))?;
             model.numbers.push((name.clone(), numbers));
         }
@@ -34,9 +36,9 @@ impl<'a> Loader<'a> {
     }
 }
 
+/// The object that names it. Extras are anybody's: exporters write other things under this name too, such as a string.
 fn named<'a>(material: &Json<'a>) -> Option<Json<'a>> {
-    // A mere word there is another program's.
-    material.get("extras")?.get("bsdf").filter(|at| !at.value.is_string())
+    material.get("extras")?.get("bsdf").filter(|at| at.value.is_object())
 }
 
 /// A number, or an array of numbers.
