@@ -1,16 +1,18 @@
-//! The layers that glTF's extensions put over its material, read from their columns.
+//! The lobes that glTF's extensions add to its material, and the layers they put over it, read from their columns.
 
-use jerboa_ir::lang::{Block, Row};
+use jerboa_ir::lang::{Block, Bool, F32, Row};
 
 use crate::bsdf::Bsdf;
 use crate::bsdf::coat::{CoatValues, make_coat};
 use crate::bsdf::gltf::GltfValues;
 use crate::bsdf::layer::make_layered_bsdf;
 use crate::bsdf::models::Site;
+use crate::bsdf::sheen::{SheenValues, make_sheen};
+use crate::core::thin_film::Film;
 use crate::geometry::SurfaceElement;
-use crate::material::is_smooth;
+use crate::material::{is_smooth, textured};
 use crate::normal_map::{NormalMap, mapped_normal};
-use crate::schema::Materials;
+use crate::schema::{Materials, SMOOTH_ALPHA};
 use crate::texture::look_up;
 
 /// The normal map of the coat.
@@ -19,12 +21,35 @@ const COAT_NORMALS: NormalMap =
 
 /// `base`, which has these values, under the layers of its material.
 pub fn make_layers(b: &mut Block, site: Site, values: GltfValues, base: Bsdf) -> Bsdf {
-    let coat = coat_values(b, site.row, site.plain, values);
-    make_layered_bsdf(site.surf, make_coat(site.surf, 0, coat), base)
+    // About the albedo of what is there already.
+    let under = values.is_nothing().select(F32::from(0.0), values.base.max_channel().max(0.04));
+    let sheen = sheen_values(b, site, under);
+    let base = make_layered_bsdf(site.surf, make_sheen(site.surf, 0, sheen), base);
+    let under = sheen.present.select(under.max(sheen.color.max_channel()), under);
+    let coat = coat_values(b, site.row, site.plain, values.is_solid(), under);
+    make_layered_bsdf(site.surf, make_coat(site.surf, 1, coat), base)
 }
 
-/// The coat over a material with these values.
-fn coat_values(b: &mut Block, row: Row<Materials>, plain: SurfaceElement, under: GltfValues) -> CoatValues {
+/// The sheen.
+fn sheen_values(b: &mut Block, site: Site, under: F32) -> SheenValues {
+    let (row, uv) = (site.row, site.surf.uv);
+    let factor = [Materials::SHEEN_R, Materials::SHEEN_G, Materials::SHEEN_B];
+    let texture = (Materials::SHEEN_COLOR_TEXTURED, Materials::SHEEN_COLOR_TEXTURE);
+    let roughness = row.get(Materials::SHEEN_ROUGHNESS);
+    SheenValues {
+        present: row.get(Materials::HAS_SHEEN),
+        color: textured(b, row, factor, texture, uv),
+        roughness: b.if_(
+            row.get(Materials::SHEEN_ROUGHNESS_TEXTURED),
+            |b| roughness * look_up(b, row.get(Materials::SHEEN_ROUGHNESS_TEXTURE), uv).alpha,
+            |_| roughness,
+        ),
+        under,
+    }
+}
+
+/// The coat.
+fn coat_values(b: &mut Block, row: Row<Materials>, plain: SurfaceElement, solid: Bool, under: F32) -> CoatValues {
     let get = |column| row.get(column);
     let uv = plain.uv;
     let strength = b.if_(
@@ -42,10 +67,81 @@ fn coat_values(b: &mut Block, row: Row<Materials>, plain: SurfaceElement, under:
         present: row.get(Materials::HAS_COAT),
         smooth: is_smooth(row.get(Materials::COAT_SMOOTH), alpha),
         tilted: row.get(Materials::NORMAL_TEXTURED) | row.get(Materials::COAT_NORMAL_TEXTURED),
-        solid: under.is_solid(),
+        solid,
         strength,
         alpha,
         normal: mapped_normal(b, row, COAT_NORMALS, plain),
-        under: under.base.max_channel().max(0.04),
+        under,
     }
+}
+
+/// `values` with the lobes that the material adds to them.
+pub fn with_lobes(b: &mut Block, site: Site, values: GltfValues) -> GltfValues {
+    let values = with_anisotropy(b, site, values);
+    let values = with_diffuse_transmission(b, site, values);
+    with_film(b, site, values)
+}
+
+/// KHR_materials_anisotropy: α grows to 1 along the direction, with the square of the strength.
+fn with_anisotropy(b: &mut Block, site: Site, values: GltfValues) -> GltfValues {
+    let (row, frame) = (site.row, site.surf.local);
+    let get = |column| row.get(column);
+    let (c, s) = (get(Materials::ANISOTROPY_X), get(Materials::ANISOTROPY_Y));
+    let (strength, x, y) = b.if_(
+        row.get(Materials::ANISOTROPY_TEXTURED),
+        |b| {
+            let texel = look_up(b, row.get(Materials::ANISOTROPY_TEXTURE), site.surf.uv).color;
+            let (x, y) = (texel.r * 2.0 - 1.0, texel.g * 2.0 - 1.0);
+            (get(Materials::ANISOTROPY) * texel.b, c * x - s * y, s * x + c * y)
+        },
+        |_| (get(Materials::ANISOTROPY), c, s),
+    );
+    let present = row.get(Materials::HAS_ANISOTROPY);
+    let alpha = present.select(values.alpha.max(SMOOTH_ALPHA), values.alpha);
+    GltfValues {
+        has_anisotropy: present,
+        alpha,
+        alpha_along: alpha + (1.0 - alpha) * (strength * strength),
+        stretch: frame.tangent * x + frame.bitangent * y,
+        ..values
+    }
+}
+
+fn with_diffuse_transmission(b: &mut Block, site: Site, values: GltfValues) -> GltfValues {
+    let (row, uv) = (site.row, site.surf.uv);
+    let share = row.get(Materials::DIFFUSE_TRANSMISSION);
+    let factor =
+        [Materials::DIFFUSE_TRANSMISSION_R, Materials::DIFFUSE_TRANSMISSION_G, Materials::DIFFUSE_TRANSMISSION_B];
+    let texture = (Materials::DIFFUSE_TRANSMISSION_COLOR_TEXTURED, Materials::DIFFUSE_TRANSMISSION_COLOR_TEXTURE);
+    GltfValues {
+        has_diffuse_transmission: row.get(Materials::HAS_DIFFUSE_TRANSMISSION),
+        diffuse_transmission: b.if_(
+            row.get(Materials::DIFFUSE_TRANSMISSION_TEXTURED),
+            |b| share * look_up(b, row.get(Materials::DIFFUSE_TRANSMISSION_TEXTURE), uv).alpha,
+            |_| share,
+        ),
+        diffuse_transmission_color: textured(b, row, factor, texture, uv),
+        ..values
+    }
+}
+
+/// KHR_materials_iridescence.
+fn with_film(b: &mut Block, site: Site, values: GltfValues) -> GltfValues {
+    let (row, uv) = (site.row, site.surf.uv);
+    let get = |column| row.get(column);
+    let share = b.if_(
+        row.get(Materials::FILM_TEXTURED),
+        |b| get(Materials::FILM) * look_up(b, row.get(Materials::FILM_TEXTURE), uv).color.r,
+        |_| get(Materials::FILM),
+    );
+    let thickness = b.if_(
+        row.get(Materials::FILM_THICKNESS_TEXTURED),
+        |b| {
+            let k = look_up(b, row.get(Materials::FILM_THICKNESS_TEXTURE), uv).color.g;
+            get(Materials::FILM_THINNEST) * (1.0 - k) + get(Materials::FILM_THICKEST) * k
+        },
+        |_| get(Materials::FILM_THICKEST),
+    );
+    let film = Film { ior: get(Materials::FILM_IOR), thickness };
+    GltfValues { has_film: row.get(Materials::HAS_FILM), film_share: share, film, ..values }
 }

@@ -58,7 +58,7 @@ fn read_color(row: Row<Materials>, columns: [Col<Materials, F32>; 3]) -> Color {
 }
 
 /// A colour factor times its texture, if there is one.
-fn textured(
+pub fn textured(
     b: &mut Block,
     row: Row<Materials>,
     factor: [Col<Materials, F32>; 3],
@@ -118,6 +118,7 @@ pub fn gltf_values(b: &mut Block, row: Row<Materials>, base: Color, uv: [Vec2; 2
         specular,
         specular_color: textured(b, row, SPECULAR_COLOR, tint, uv),
         transmission,
+        ..GltfValues::none()
     }
 }
 

@@ -31,7 +31,8 @@
 //!   colours; every component type, normalised integers, sparse and interleaved accessors. One [`Mesh`] per primitive, placed
 //!   by [`Instance`]s whose transforms were composed in double precision.
 //! - **Materials**: metallic-roughness with its textures, normal map, emission, alpha modes, doubleSided, and the
-//!   extensions KHR_materials_clearcoat, emissive_strength, ior, specular, transmission, unlit, volume, KHR_texture_transform.
+//!   extensions KHR_materials_anisotropy, clearcoat, diffuse_transmission, emissive_strength, ior, iridescence, sheen,
+//!   specular, transmission, unlit, volume, KHR_texture_transform.
 //!   Another model of scattering by the material's own `extras.bsdf: {"model": NAME, …}`, see [`Model`].
 //! - **Images**: PNG, JPEG, WebP (EXT_texture_webp), kept at eight bits; wrap modes and the magnification filter.
 //! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
@@ -97,7 +98,7 @@ pub use environment::Environment;
 pub use error::{Error, Warning};
 pub use light::{Light, LightKind};
 pub use limits::Limits;
-pub use lobes::Clearcoat;
+pub use lobes::{Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Sheen};
 pub use material::{AlphaMode, Material, TextureRef, UvTransform, Volume};
 pub use mesh::{Instance, Mesh};
 pub use model::Model;

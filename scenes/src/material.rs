@@ -1,6 +1,6 @@
 //! Materials: glTF's metallic-roughness model and its ratified extensions, as numbers and texture references.
 
-use crate::{Clearcoat, Model};
+use crate::{Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Model, Sheen};
 
 /// How alpha (base colour's fourth channel) decides whether a ray meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +86,14 @@ pub struct Material {
     pub transmission_texture: Option<TextureRef>,
     /// The inside, for a closed mesh; `None` is a thin wall.
     pub volume: Option<Volume>,
+    /// Highlights stretched along a direction.
+    pub anisotropy: Option<Anisotropy>,
+    /// Diffuse light that comes through.
+    pub diffuse_transmission: Option<DiffuseTransmission>,
+    /// A thin film on the specular layer and the metal.
+    pub iridescence: Option<Iridescence>,
+    /// A sheen over the above.
+    pub sheen: Option<Sheen>,
     /// A clear coat over all of it.
     pub clearcoat: Option<Clearcoat>,
     /// The model that scatters light in place of glTF's (`extras.bsdf` of a file).
@@ -130,6 +138,10 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             volume: None,
+            anisotropy: None,
+            diffuse_transmission: None,
+            iridescence: None,
+            sheen: None,
             clearcoat: None,
             model: None,
         }
@@ -196,6 +208,10 @@ impl Material {
         .into_iter()
         .chain(self.volume.as_ref().map(|v| &v.thickness_texture))
         .flatten()
+        .chain(self.anisotropy.iter().flat_map(|lobe| &lobe.texture))
+        .chain(self.diffuse_transmission.iter().flat_map(DiffuseTransmission::textures))
+        .chain(self.iridescence.iter().flat_map(Iridescence::textures))
+        .chain(self.sheen.iter().flat_map(Sheen::textures))
         .chain(self.clearcoat.iter().flat_map(Clearcoat::textures))
     }
 }

@@ -8,7 +8,7 @@
 
 use jerboa_ir::lang::{Bool, F32, Fun, Keep, U32, entry};
 use jerboa_lib_render::core::fresnel::fresnel_dielectric;
-use jerboa_lib_render::core::microfacet::ggx_d;
+use jerboa_lib_render::core::microfacet::{Widths, ggx_d};
 use jerboa_lib_render::core::onb::onb;
 use jerboa_lib_render::core::sampling::*;
 use jerboa_lib_render::core::vec::{Vec3, vec2, vec3};
@@ -209,7 +209,7 @@ fn ggx() {
     let sweep = Sweep::new(|b, cell, alpha: F32| {
         let load = |x: U32| x.float_of_bits();
         let (x, z) = (load(b.load(Left::WORD, cell)), load(b.load(Right::WORD, cell)));
-        ggx_d(vec3(x, 0.0, z), alpha).bits()
+        ggx_d(vec3(x, 0.0, z), Widths::round(alpha)).bits()
     });
     let n = number("JERBOA_RAYS", 20_000);
     let mut worst = 0.0f64;

@@ -17,6 +17,7 @@ use crate::bsdf::rough::{Facet, Rough};
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};
 use crate::core::color::{black, gray};
 use crate::core::fresnel::{fresnel_dielectric, fresnel_passed, refracted_cos};
+use crate::core::sampling::share_of;
 use crate::core::vec::{Vec3, vec2};
 use crate::geometry::{Frame3, SurfaceElement};
 
@@ -40,7 +41,7 @@ pub struct CoatValues {
     pub alpha: F32,
     /// Unit shading normal of the coat, world.
     pub normal: Vec3,
-    /// About the albedo of what it covers, above 0: for sampling alone.
+    /// About the albedo of what it covers, for sampling alone; 0 only where that scatters nothing.
     pub under: F32,
 }
 impl_staged!(CoatValues { present, smooth, tilted, solid, strength, alpha, normal, under });
@@ -149,7 +150,7 @@ impl View {
         let reflected = c * fresnel_dielectric(self.side.normal.dot(self.wo).abs(), IOR.into());
         // A tenth of the largest possible reflection: f may be large where a smooth coat reflects little.
         let own = reflected * 0.9 + c * 0.1;
-        let choice = own / (own + (1.0 - reflected) * self.values.under);
+        let choice = share_of(own, (1.0 - reflected) * self.values.under);
         self.covers(self.side.outside).select(choice, 0.0.into())
     }
 }

@@ -44,6 +44,11 @@ pub fn diffuse_is_seen(side: Side, wi: Vec3) -> Bool {
     side.reflects(wi) & side.normal.dot(wi).gt(0.0)
 }
 
+/// Does light from wi come through to the viewer's side of the surface?
+pub fn diffuse_comes_through(side: Side, wi: Vec3) -> Bool {
+    side.transmits(wi) & side.normal.dot(wi).lt(0.0)
+}
+
 /// Density of [`sample_diffuse`], per steradian.
 pub fn diffuse_pdf(side: Side, wi: Vec3) -> F32 {
     cosine_hemisphere_pdf(side.normal.dot(wi))

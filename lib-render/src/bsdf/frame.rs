@@ -73,6 +73,14 @@ impl Side {
     }
 }
 
+/// A frame around a unit normal whose tangent is the part of `along` across it; any tangent where that is nearly nothing.
+pub fn frame_along(normal: Vec3, along: Vec3) -> Frame3 {
+    let across = along - normal * normal.dot(along);
+    let tangent = across / across.length();
+    let frame = Frame3 { tangent, bitangent: normal.cross(tangent), normal };
+    across.length2().gt(1e-12).select(frame, Frame3::around(normal))
+}
+
 /// The mirror image of w about n, both pointing away.
 pub fn reflect(w: Vec3, n: Vec3) -> Vec3 {
     n * (2.0 * w.dot(n)) - w

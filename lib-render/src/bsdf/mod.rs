@@ -10,6 +10,7 @@ pub mod rough;
 pub mod gltf;
 pub mod layer;
 pub mod coat;
+pub mod sheen;
 pub mod gloss;
 pub mod conductor;
 pub mod rough_diffuse;

@@ -13,7 +13,7 @@ use crate::bsdf::{Bsdf, conductor, dielectric, mirror, mix, phong, plastic, roug
 use crate::components::{Components, Numbers, Parameter};
 use crate::core::color::Color;
 use crate::geometry::SurfaceElement;
-use crate::lobes::make_layers;
+use crate::lobes::{make_layers, with_lobes};
 use crate::material::{base_color, gltf_values, is_smooth};
 use crate::schema::{Materials, Models};
 use crate::texture::look_up;
@@ -41,6 +41,7 @@ const GLTF: Model = Model {
     has_parts: false,
     make: |b, site| {
         let values = gltf_values(b, site.row, site.base, site.surf.uv);
+        let values = with_lobes(b, site, values);
         make_layers(b, site, values, make_gltf_bsdf(site.surf, values))
     },
 };

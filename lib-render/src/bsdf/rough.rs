@@ -1,6 +1,6 @@
 //! A rough interface: reflection and refraction by GGX microfacets, without Fresnel's factor.
 //!
-//! - Parameters: α ≥ 1e-3; for refraction the indices on both sides, away from each other ([`bending`]).
+//! - Parameters: α ≥ 1e-3, one for each axis of the frame; for refraction the indices on both sides, away from each other ([`bending`]).
 //! - f per steradian, pdf per steradian with visible normals; local frame around the bent shading normal.
 //! - Reciprocal to the bit, but for the scale of radiance: nothing is found from one direction that the other would round
 //!   otherwise. wo·h of a reflection is half the length of wo + wi, accurate also where that is nearly 0; a refraction
@@ -13,7 +13,7 @@ use jerboa_ir::lang::F32;
 
 use crate::bsdf::dielectric::refract;
 use crate::bsdf::frame::reflect;
-use crate::core::microfacet::{ggx_d, ggx_g1_over_cos, ggx_sample_visible};
+use crate::core::microfacet::{Widths, ggx_d, ggx_g1_over_cos, ggx_sample_visible};
 use crate::core::vec::{Vec2, Vec3, vec3};
 use crate::geometry::Frame3;
 
@@ -27,8 +27,8 @@ pub struct Rough {
     pub frame: Frame3,
     /// Towards the viewer, local, z ≥ 0.
     pub wo: Vec3,
-    /// GGX's width.
-    pub alpha: F32,
+    /// GGX's widths along the frame's tangent and bitangent.
+    pub alpha: Widths,
 }
 impl_staged!(Rough { frame, wo, alpha });
 
@@ -45,9 +45,13 @@ pub struct Facet {
 impl_staged!(Facet { cos, f, pdf });
 
 impl Rough {
-    /// The interface with this normal.
+    /// The interface with this normal, equally rough all around.
     pub fn new(normal: Vec3, wo: Vec3, alpha: F32) -> Rough {
-        let frame = Frame3::around(normal);
+        Rough::along(Frame3::around(normal), wo, Widths::round(alpha))
+    }
+
+    /// The interface with these widths along this frame.
+    pub fn along(frame: Frame3, wo: Vec3, alpha: Widths) -> Rough {
         let local = frame.to_local(wo);
         Rough { frame, wo: vec3(local.x, local.y, local.z.max(0.0)), alpha }
     }
@@ -72,7 +76,7 @@ impl Rough {
         let half = self.wo + wi;
         let length = half.length();
         // The cosines of masking and of f cancel, so nothing is divided by one.
-        let (o, i) = (ggx_g1_over_cos(self.wo.z, self.alpha), ggx_g1_over_cos(wi.z, self.alpha));
+        let (o, i) = (ggx_g1_over_cos(self.wo, self.alpha), ggx_g1_over_cos(wi, self.alpha));
         let d = ggx_d(half / length, self.alpha) * 0.25;
         wi.z.gt(0.0).select(Facet { cos: length * 0.5, f: d * (o * i), pdf: d * o }, nothing())
     }
@@ -85,7 +89,7 @@ impl Rough {
         // On the near side, whichever medium is denser.
         let h = (half / length2.sqrt()) * F32::from(1.0).copysign(half.z);
         let (cos, cos_beyond) = (self.wo.dot(h), -wi.dot(h));
-        let (o, i) = (ggx_g1_over_cos(self.wo.z, self.alpha), ggx_g1_over_cos(-wi.z, self.alpha));
+        let (o, i) = (ggx_g1_over_cos(self.wo, self.alpha), ggx_g1_over_cos(-wi, self.alpha));
         // Walter's root, here · cos − beyond · cos_beyond, is the length of the half vector.
         let d = ggx_d(h, self.alpha) * (cos * cos_beyond / length2);
         let facet = Facet { cos, f: d * (o * i) * (here * here), pdf: d * o * (beyond * beyond) };

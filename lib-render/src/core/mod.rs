@@ -10,4 +10,5 @@ pub mod sampling;
 pub mod cdf;
 pub mod alias;
 pub mod fresnel;
+pub mod thin_film;
 pub mod microfacet;

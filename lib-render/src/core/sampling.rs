@@ -75,3 +75,9 @@ pub fn cone_rim(one_minus_cos: F32, turns: F32) -> Vec3 {
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     vec3(sin * cos_phi, sin * sin_phi, 1.0 - one_minus_cos)
 }
+
+/// a / (a + b), and 1 where both are 0.
+pub fn share_of(a: F32, b: F32) -> F32 {
+    let sum = a + b;
+    sum.gt(0.0).select(a / sum, 1.0.into())
+}

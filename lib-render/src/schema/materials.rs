@@ -55,6 +55,14 @@ table! {
         FIRST: ref Materials, structure;
         /// The second.
         SECOND: ref Materials, structure;
+        /// Is the roughness another along the material's direction than across it?
+        HAS_ANISOTROPY: Bool, structure;
+        /// Does diffuse light come through?
+        HAS_DIFFUSE_TRANSMISSION: Bool, structure;
+        /// Is there a thin film on layer and metal?
+        HAS_FILM: Bool, structure;
+        /// Is there a sheen?
+        HAS_SHEEN: Bool, structure;
         /// Is there a clear coat?
         HAS_COAT: Bool, structure;
         /// `SMOOTH_*` of the coat.
@@ -73,6 +81,20 @@ table! {
         SPECULAR_COLOR_TEXTURED: Bool, structure;
         /// Transmission has a texture (red channel).
         TRANSMISSION_TEXTURED: Bool, structure;
+        /// Anisotropy has a texture (direction in red and green, strength in blue).
+        ANISOTROPY_TEXTURED: Bool, structure;
+        /// The share of diffuse transmission has a texture (alpha channel).
+        DIFFUSE_TRANSMISSION_TEXTURED: Bool, structure;
+        /// The colour of diffuse transmission has a texture.
+        DIFFUSE_TRANSMISSION_COLOR_TEXTURED: Bool, structure;
+        /// The film's share has a texture (red channel).
+        FILM_TEXTURED: Bool, structure;
+        /// The film's thickness has a texture (green channel).
+        FILM_THICKNESS_TEXTURED: Bool, structure;
+        /// The sheen's colour has a texture.
+        SHEEN_COLOR_TEXTURED: Bool, structure;
+        /// The sheen's roughness has a texture (alpha channel).
+        SHEEN_ROUGHNESS_TEXTURED: Bool, structure;
         /// The coat's strength has a texture (red channel).
         COAT_TEXTURED: Bool, structure;
         /// The coat's roughness has a texture (green channel).
@@ -93,6 +115,20 @@ table! {
         SPECULAR_COLOR_TEXTURE: ref Textures, structure;
         /// Transmission.
         TRANSMISSION_TEXTURE: ref Textures, structure;
+        /// Direction and strength of anisotropy.
+        ANISOTROPY_TEXTURE: ref Textures, structure;
+        /// Share of diffuse transmission.
+        DIFFUSE_TRANSMISSION_TEXTURE: ref Textures, structure;
+        /// Colour of diffuse transmission.
+        DIFFUSE_TRANSMISSION_COLOR_TEXTURE: ref Textures, structure;
+        /// Share of the film.
+        FILM_TEXTURE: ref Textures, structure;
+        /// Thickness of the film.
+        FILM_THICKNESS_TEXTURE: ref Textures, structure;
+        /// Colour of the sheen.
+        SHEEN_COLOR_TEXTURE: ref Textures, structure;
+        /// Roughness of the sheen.
+        SHEEN_ROUGHNESS_TEXTURE: ref Textures, structure;
         /// Strength of the coat.
         COAT_TEXTURE: ref Textures, structure;
         /// Roughness of the coat.
@@ -133,6 +169,36 @@ table! {
         SPECULAR_B: F32, value;
         /// Transmission factor in [0, 1].
         TRANSMISSION: F32, value;
+        /// Anisotropy in [0, 1].
+        ANISOTROPY: F32, value;
+        /// The direction of anisotropy as turned from the tangent: its part along the tangent.
+        ANISOTROPY_X: F32, value;
+        /// Its part along the bitangent.
+        ANISOTROPY_Y: F32, value;
+        /// Share of the diffuse light that comes through, in [0, 1].
+        DIFFUSE_TRANSMISSION: F32, value;
+        /// Colour of the diffuse light that comes through.
+        DIFFUSE_TRANSMISSION_R: F32, value;
+        /// See [`Materials::DIFFUSE_TRANSMISSION_R`].
+        DIFFUSE_TRANSMISSION_G: F32, value;
+        /// See [`Materials::DIFFUSE_TRANSMISSION_R`].
+        DIFFUSE_TRANSMISSION_B: F32, value;
+        /// Share of the surface that the film covers, in [0, 1].
+        FILM: F32, value;
+        /// Index of the film.
+        FILM_IOR: F32, value;
+        /// Thickness of the film where its texture is 0, nanometres.
+        FILM_THINNEST: F32, value;
+        /// Thickness of the film where its texture is 1, and without a texture, nanometres.
+        FILM_THICKEST: F32, value;
+        /// Colour of the sheen.
+        SHEEN_R: F32, value;
+        /// See [`Materials::SHEEN_R`].
+        SHEEN_G: F32, value;
+        /// See [`Materials::SHEEN_R`].
+        SHEEN_B: F32, value;
+        /// Roughness of the sheen in [0, 1]; α is its square.
+        SHEEN_ROUGHNESS: F32, value;
         /// Strength of the coat in [0, 1].
         COAT: F32, value;
         /// Roughness of the coat in [0, 1]; α is its square.

@@ -36,14 +36,18 @@ use std::path::Path;
 use std::rc::Rc;
 
 /// The extensions that are read. Any other is an error where the file requires it, else a warning.
-const EXTENSIONS: [&str; 14] = [
+const EXTENSIONS: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",

@@ -33,6 +33,7 @@ pub mod lights;
 pub mod functions;
 pub mod probe;
 pub mod scattering;
+pub mod lobes;
 pub mod chi2;
 pub mod quadrature;
 pub mod rays;

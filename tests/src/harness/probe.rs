@@ -211,6 +211,34 @@ impl Probe {
         self.model("phong", &[1.0, 1.0, 1.0, ns]).coloured()
     }
 
+    /// A white sheen over what is there.
+    pub fn sheen(&mut self, roughness: f32) -> &mut Probe {
+        for column in [Materials::SHEEN_R, Materials::SHEEN_G, Materials::SHEEN_B] {
+            self.number(column, 1.0);
+        }
+        self.flag(Materials::HAS_SHEEN, true).number(Materials::SHEEN_ROUGHNESS, roughness)
+    }
+
+    /// What is there, rougher along x.
+    pub fn anisotropy(&mut self, strength: f32) -> &mut Probe {
+        self.bench.set(Materials::SMOOTH, 0, SMOOTH_NEVER);
+        self.flag(Materials::HAS_ANISOTROPY, true).number(Materials::ANISOTROPY, strength);
+        self.number(Materials::ANISOTROPY_X, 1.0)
+    }
+
+    /// A share of the diffuse light comes through, 0.3, 0.5, 0.7 of it.
+    pub fn diffuse_transmission(&mut self, share: f32) -> &mut Probe {
+        self.flag(Materials::HAS_DIFFUSE_TRANSMISSION, true).number(Materials::DIFFUSE_TRANSMISSION, share);
+        self.number(Materials::DIFFUSE_TRANSMISSION_R, 0.3).number(Materials::DIFFUSE_TRANSMISSION_G, 0.5);
+        self.number(Materials::DIFFUSE_TRANSMISSION_B, 0.7)
+    }
+
+    /// A film of this thickness on what is there.
+    pub fn film(&mut self, share: f32, nanometres: f32) -> &mut Probe {
+        self.flag(Materials::HAS_FILM, true).number(Materials::FILM, share).number(Materials::FILM_IOR, 1.3);
+        self.number(Materials::FILM_THICKEST, nanometres)
+    }
+
     /// A coat of this strength over what is there.
     pub fn coat(&mut self, strength: f32, roughness: f32) -> &mut Probe {
         let smooth = if roughness * roughness < SMOOTH_ALPHA { SMOOTH_ALWAYS } else { SMOOTH_NEVER };

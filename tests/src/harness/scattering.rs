@@ -21,6 +21,7 @@ use std::f64::consts::PI;
 
 use jerboa_lib_render::schema::Materials;
 
+use super::lobes::{film, sheen, stretched_microfacets};
 use super::probe::Probe;
 use super::quadrature::{gauss, rectangle};
 
@@ -70,6 +71,18 @@ pub fn rows() -> Vec<Row> {
     rows.extend([0.0, 0.05, 0.25, 1.0].map(glass));
     rows.extend([0.0, 0.05, 0.25, 1.0].map(thin));
     rows.extend([0.0, 0.05, 0.36].map(medley));
+    rows.extend([0.1, 0.3, 0.5, 1.0].map(sheen_on_nothing));
+    rows.push(Row::new("sheen on mirror", |p| p.metal(0.0).sheen(0.5)));
+    rows.push(Row::new("sheen on medley", |p| p.medley(0.5).sheen(0.7)).through(INDEX));
+    rows.extend([(0.0016, 0.5), (0.05, 0.397), (0.25, 1.0)].map(|(alpha, strength)| stretched_metal(alpha, strength)));
+    rows.push(Row::new("stretched glass", |p| p.glass(0.05f32.sqrt(), false).anisotropy(0.4)).through(INDEX));
+    rows.extend([0.3, 1.0].map(leaf));
+    rows.extend([0.05, 1.0].map(glossy_leaf));
+    rows.push(Row::new("leaf medley", |p| p.medley(0.5).diffuse_transmission(0.4)).through(INDEX));
+    rows.extend([(0.0, 250.0), (0.25, 400.0), (0.05, 0.0), (0.25, 1e7)].map(|(alpha, nm)| film_on_metal(alpha, nm)));
+    rows.extend([(0.0, 400.0), (0.25, 250.0)].map(|(alpha, nm)| film_on_plastic(alpha, nm)));
+    rows.push(Row::new("film on glass", |p| p.glass(0.5, false).film(0.7, 400.0)).through(INDEX));
+    rows.push(Row::new("film on medley", |p| p.medley(0.5).film(1.0, 600.0)).through(INDEX));
     rows.extend([0.0, 0.0016, 0.05, 0.25, 1.0].map(|alpha| coat(1.0, alpha)));
     rows.extend([0.05, 1.0].map(|alpha| coat(0.5, alpha)));
     rows.extend([0.0, 0.05, 1.0].map(coated_mirror));
@@ -128,6 +141,65 @@ fn thin(alpha: f64) -> Row {
 fn medley(alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     Row::new(format!("medley {alpha:.3}"), move |p| p.medley(roughness)).through(INDEX)
+}
+
+/// A sheen alone; below 0.26 its roughness is 0.26.
+fn sheen_on_nothing(roughness: f64) -> Row {
+    let set = roughness as f32;
+    let row =
+        Row::new(format!("sheen {roughness}"), move |p| p.lambert().flag(Materials::HAS_DIFFUSE, false).sheen(set));
+    row.returns(move |cos| sheen(f64::from(set.max(0.26)), cos.abs()))
+}
+
+/// White metal that is rougher along x.
+fn stretched_metal(alpha: f64, strength: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let along = alpha + (1.0 - alpha) * strength * strength;
+    let name = format!("stretched {along:.3} {alpha:.3}");
+    let row = Row::new(name, move |p| p.metal(roughness).anisotropy(strength as f32));
+    row.returns(move |cos| stretched_microfacets([along, alpha], cos.abs()))
+}
+
+/// Half of the green light goes on, whichever way.
+fn leaf(share: f64) -> Row {
+    let row = Row::new(format!("leaf {share}"), move |p| p.lambert().diffuse_transmission(share as f32));
+    row.through(1.0).returns(|_| 0.5)
+}
+
+/// White under a layer on both sides, of which the green half of 0.6 comes through.
+fn glossy_leaf(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let name = format!("glossy leaf {alpha:.3}");
+    let row = Row::new(name, move |p| p.plastic(roughness).diffuse_transmission(0.6)).through(1.0);
+    let passing_out = gauss::<64>(0.0, 1.0, |c| (1.0 - fresnel(c, INDEX)) * 2.0 * c);
+    row.returns(move |cos| {
+        let cos = cos.abs();
+        let layer = microfacets(alpha, Masking::Separable, cos, INDEX, |c| fresnel(c, INDEX))[0];
+        layer + (1.0 - fresnel(cos, INDEX)) * passing_out * 0.7
+    })
+}
+
+fn film_on_metal(alpha: f64, nanometres: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let name = format!("film on metal {alpha:.3} {nanometres}");
+    let row = Row::new(name, move |p| p.metal(roughness).coloured().film(1.0, nanometres as f32));
+    let reflected = move |c: f64| film(c, f64::from(1.3f32), nanometres, 0.5)[1];
+    row.returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), INDEX, reflected)[0])
+}
+
+/// White under a film: what passes has the colour of what is under it.
+fn film_on_plastic(alpha: f64, nanometres: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let name = format!("film on plastic {alpha:.3} {nanometres}");
+    let row = Row::new(name, move |p| p.plastic(roughness).film(1.0, nanometres as f32));
+    let reflected = move |c: f64| film(c, f64::from(1.3f32), nanometres, 0.04);
+    let passed = move |c: f64| 1.0 - reflected(c).into_iter().fold(0.0, f64::max);
+    let passing_out = gauss::<64>(0.0, 1.0, |c| passed(c) * 2.0 * c);
+    row.returns(move |cos| {
+        let cos = cos.abs();
+        let layer = microfacets(alpha, Masking::Separable, cos, INDEX, |c| reflected(c)[1])[0];
+        layer + passed(cos) * passing_out
+    })
 }
 
 /// A coat of this strength over Lambert's surface: what it reflects, and what passes it in and out again.

@@ -61,6 +61,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "PdfFn::lam(|_, _| F32::from(1.0))",
         mistake: "the density of a mirror is 1, also within a mix (Rodent's mix of black and mirror: .38 for .5)",
     },
+    Mutation {
+        name: "coat-weighed-once",
+        file: "lib-render/src/bsdf/coat.rs",
+        before: "self.passes_once(self.wo, self.side.outside) * self.passes_once(wi, outside)",
+        after: "self.passes_once(self.wo, self.side.outside)",
+        mistake: "a coat weighs what is under it by the viewer's angle alone, as the extension's text does: not reciprocal",
+    },
+    Mutation {
+        name: "sheen-takes-nothing",
+        file: "lib-render/src/bsdf/sheen.rs",
+        before: "1.0 - most * albedo(wi).max(albedo(wo))",
+        after: "1.0.into()",
+        mistake: "a sheen is added to what is under it: more light returns than came",
+    },
     // ---- lights and multiple importance sampling
     Mutation {
         name: "area-density-as-direction-density",

@@ -1,4 +1,5 @@
-//! glTF's metallic-roughness material with KHR_materials_{specular, ior, transmission, volume}.
+//! glTF's metallic-roughness material with KHR_materials_{specular, ior, transmission, volume, anisotropy,
+//! diffuse_transmission, iridescence}. The layers over it are [`coat`](crate::bsdf::coat) and [`sheen`](crate::bsdf::sheen).
 //!
 //! f = (1 − metallic) · (layer + under the layer: (1 − transmission) · diffuse + transmission · refraction)
 //!     + metallic · metal
@@ -11,6 +12,11 @@
 //!   reflection. An index within 1e-3 of 1 counts as 1.001 where the interface is rough. Thin walls (no volume) pass the
 //!   mirror image of the reflection instead, unbent, and look alike from both sides.
 //! - Metal: GGX reflection with Schlick's factor, F0 = base, F90 = 1. Single scattering, separable Smith masking.
+//! - Anisotropy: another width along a direction of the surface, for all of GGX; α ≥ 1e-3 both ways, never perfectly smooth.
+//! - Diffuse transmission: a share of the diffuse light comes through with a colour of its own, weighed with what passes the
+//!   layer on both sides; into a solid it bends, as refraction does, by the reciprocal form: 1/index² of it from inside.
+//! - Iridescence: the factors of layer and metal give way to those of a thin film ([`fresnel_film`](crate::core::thin_film::fresnel_film), at the cosine outside),
+//!   and 1 − its largest channel passes.
 //! - Reflection and refraction are perfectly smooth where `smooth`: then f and pdf hold the diffuse part alone.
 //! - World frame. f is relative to the cosine of the shading normal; below the surface only refraction is not 0; with
 //!   consistent normals the geometric normal tells below from above.
@@ -30,8 +36,8 @@ use view::View;
 /// The material's BSDF.
 pub fn make_gltf_bsdf(surf: SurfaceElement, values: GltfValues) -> Bsdf {
     // Perfectly specular, or nothing at all (a black emitter): light sampling is of no use.
-    let nothing = !values.has_facets() & !values.has_diffuse;
-    let only_smooth = nothing | (values.smooth & values.diffuse_albedo().is_black());
+    let no_diffuse = values.diffuse_albedo().is_black() & values.diffuse_transmittance().is_black();
+    let only_smooth = values.is_nothing() | (values.smooth & no_diffuse);
     Bsdf {
         eval: EvalFn::lam(|b, (wi, wo)| View::new(b, surf, values, wo).value(b, wi).f),
         pdf: PdfFn::lam(|b, (wi, wo)| View::new(b, surf, values, wo).value(b, wi).pdf),

@@ -3,17 +3,19 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, F32};
 
-use super::values::{GltfValues, Split, passing, share_of};
+use super::values::{GltfValues, Split, passing};
 use crate::bsdf::BsdfSample;
 use crate::bsdf::dielectric::{refract, refraction};
-use crate::bsdf::diffuse::{diffuse_is_seen, diffuse_pdf, sample_diffuse};
-use crate::bsdf::frame::{Side, bend_ratio, reflect, shading_cos};
+use crate::bsdf::diffuse::{diffuse_comes_through, diffuse_is_seen, diffuse_pdf, sample_diffuse};
+use crate::bsdf::frame::{Side, bend_ratio, frame_along, reflect, shading_cos};
 use crate::bsdf::rough::{Facet, Rough, bending};
 use crate::core::color::{Color, black};
 use crate::core::fresnel::refracted_cos;
+use crate::core::microfacet::Widths;
 use crate::core::rng::Rng;
+use crate::core::sampling::share_of;
 use crate::core::vec::{Vec3, vec2, vec3};
-use crate::geometry::SurfaceElement;
+use crate::geometry::{Frame3, SurfaceElement};
 
 /// f per steradian and pdf per steradian of one direction.
 #[derive(Clone, Copy)]
@@ -59,7 +61,7 @@ impl View {
                 // A tenth of the largest possible reflection: f may be above 0 where this angle reflects nothing.
                 let most = values.has_specular.select(values.specular, 0.0.into()).max(values.metal_share());
                 let facets = reflected.max_channel() * 0.9 + most * 0.1 + refracted.max_channel();
-                share_of(facets, values.diffuse_albedo().max_channel() * passes)
+                share_of(facets, values.diffuse_choice().0 * passes)
             },
             |_| values.has_facets().select(F32::from(1.0), 0.0.into()),
         );
@@ -82,21 +84,51 @@ impl View {
     /// The diffuse part; its density includes the probability of choosing it.
     fn diffuse(self, b: &mut Block, wi: Vec3) -> Value {
         let albedo = self.diffuse_reflectance(b, wi);
-        Value {
-            f: albedo * F32::from(std::f32::consts::FRAC_1_PI),
-            pdf: diffuse_pdf(self.side, wi) * (1.0 - self.facets),
-        }
+        let reflected = diffuse_pdf(self.side, wi);
+        let (_, through) = self.values.diffuse_choice();
+        let both = reflected * (1.0 - through) + diffuse_pdf(self.side, -wi) * through;
+        let pdf = self.values.has_diffuse_transmission.select(both, reflected);
+        Value { f: albedo * F32::from(std::f32::consts::FRAC_1_PI), pdf: pdf * (1.0 - self.facets) }
     }
 
     /// π f of the diffuse part.
     fn diffuse_reflectance(self, b: &mut Block, wi: Vec3) -> Color {
         let passes = passing(b, self.values, self.side.normal.dot(wi).abs(), self.eta);
         let albedo = self.values.diffuse_albedo() * (passes * self.passes);
-        diffuse_is_seen(self.side, wi).select(albedo, black())
+        let reflected = diffuse_is_seen(self.side, wi).select(albedo, black());
+        b.if_(
+            self.values.has_diffuse_transmission,
+            |b| {
+                let through = self.diffuse_transmittance(b, wi);
+                diffuse_comes_through(self.side, wi).select(through, reflected)
+            },
+            |_| reflected,
+        )
+    }
+
+    /// π f of the diffuse light that comes through from wi, which is on the other side.
+    fn diffuse_transmittance(self, b: &mut Block, wi: Vec3) -> Color {
+        // Into a solid light bends; radiance outside is spread over more directions than inside.
+        let solid = self.values.is_solid();
+        let beyond = solid.select(1.0 / self.eta, self.eta);
+        let scale = (solid & self.side.outside).select(beyond * beyond, 1.0.into());
+        let passes = passing(b, self.values, self.side.normal.dot(wi).abs(), beyond);
+        self.values.diffuse_transmittance() * (passes * self.passes * scale)
+    }
+
+    /// A direction of the diffuse part. Draws three numbers.
+    fn sample_diffuse(self, rng: Rng) -> Vec3 {
+        let wi = sample_diffuse(rng, self.side);
+        let (u, _) = rng.ahead(2).next();
+        let n = self.side.normal;
+        let through = self.values.has_diffuse_transmission & u.lt(self.values.diffuse_choice().1);
+        through.select(wi - n * (2.0 * n.dot(wi)), wi)
     }
 
     fn rough(self) -> Rough {
-        Rough::new(self.normal, self.wo, self.values.alpha)
+        let Widths { x, y, round } = self.values.widths();
+        let frame = round.select(Frame3::around(self.normal), frame_along(self.normal, self.values.stretch));
+        Rough::along(frame, self.wo, Widths { x, y, round })
     }
 
     /// The microfacets' part; its density includes the probability of choosing it.
@@ -135,7 +167,7 @@ impl View {
             |b| self.sample_smooth(b, rng),
             |b| {
                 let (wi, found) =
-                    b.if_(facet, |b| self.sample_rough(b, rng), |_| (sample_diffuse(rng, self.side), Bool::from(true)));
+                    b.if_(facet, |b| self.sample_rough(b, rng), |_| (self.sample_diffuse(rng), Bool::from(true)));
                 let sample = self.scattered(b, wi);
                 found.select(sample, BsdfSample::scattered(wi, black(), 0.0.into()))
             },
@@ -146,12 +178,12 @@ impl View {
     fn scattered(self, b: &mut Block, wi: Vec3) -> BsdfSample {
         let values = self.values;
         let sample = b.if_(
-            values.has_facets(),
+            values.has_facets() | values.has_diffuse_transmission,
             |b| {
                 let Value { f, pdf } = self.value(b, wi);
                 BsdfSample::scattered(wi, f * shading_cos(self.surf, wi), pdf)
             },
-            // Diffuse alone: density and cosine cancel.
+            // Diffuse reflection alone: density and cosine cancel.
             |b| {
                 let weight = self.diffuse_reflectance(b, wi);
                 BsdfSample { weight, ..BsdfSample::scattered(wi, black(), diffuse_pdf(self.side, wi)) }

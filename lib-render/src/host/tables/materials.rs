@@ -84,7 +84,7 @@ fn lobes(row: &mut Row, m: &Material) {
     let black = m.base_color[..3].iter().all(|c| *c == 0.0);
     let specular = !all_metal && m.specular > 0.0 && m.specular_color.iter().any(|c| *c > 0.0) && m.ior != 1.0;
     row.set(M::HAS_METAL, metal).set(M::HAS_SPECULAR, specular).set(M::HAS_TRANSMISSION, transmission);
-    row.set(M::HAS_DIFFUSE, !all_metal && !all_transmission && !black).set(M::THIN, !is_thick(m));
+    row.set(M::HAS_DIFFUSE, !all_metal && !all_transmission && (!black || comes_through(m))).set(M::THIN, !is_thick(m));
     let any_lobe = metal || specular || transmission;
     row.set(M::SMOOTH, if any_lobe { smoothness(m.roughness, textured) } else { SMOOTH_NEVER });
 }
@@ -96,6 +96,11 @@ pub(super) fn smoothness(roughness: f32, textured: bool) -> u32 {
         (false, true) => SMOOTH_PER_HIT,
         (false, false) => SMOOTH_NEVER,
     }
+}
+
+/// Does diffuse light come through?
+fn comes_through(m: &Material) -> bool {
+    m.diffuse_transmission.is_some_and(|lobe| lobe.factor > 0.0 && lobe.color.iter().any(|c| *c > 0.0))
 }
 
 /// Has the surface an inside?
