@@ -43,6 +43,15 @@ const FEATURES: &[Feature] = &[
         words: &["Materials.IOR"],
     },
     Feature { name: "volumes", used: |s| any(s, |m| m.volume.is_some()), words: &["Materials.ABSORPTION_R"] },
+    Feature { name: "clear coats", used: |s| any(s, |m| m.clearcoat.is_some()), words: &["Materials.COAT"] },
+    Feature { name: "sheen", used: |s| any(s, |m| m.sheen.is_some()), words: &["Materials.SHEEN_R"] },
+    Feature { name: "anisotropy", used: |s| any(s, |m| m.anisotropy.is_some()), words: &["Materials.ANISOTROPY"] },
+    Feature {
+        name: "diffuse transmission",
+        used: |s| any(s, |m| m.diffuse_transmission.is_some()),
+        words: &["Materials.DIFFUSE_TRANSMISSION"],
+    },
+    Feature { name: "iridescence", used: |s| any(s, |m| m.iridescence.is_some()), words: &["Materials.FILM"] },
     Feature { name: "models other than glTF's", used: |s| any(s, |m| m.model.is_some()), words: &["Parameters."] },
     Feature {
         name: "alpha masks",

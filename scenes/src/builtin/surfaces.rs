@@ -1,7 +1,10 @@
 //! What surfaces can do: materials, a procedural texture.
 
 use super::shapes::{floor, panel, quad, sky, sphere};
-use crate::{Filter, Material, Model, Scene, Texture, TextureRef, TextureSource, UvTransform, Wrap};
+use crate::{
+    Anisotropy, Clearcoat, DiffuseTransmission, Filter, Iridescence, Material, Mesh, Model, Scene, Sheen, Texture,
+    TextureRef, TextureSource, UvTransform, Wrap,
+};
 use glam::{Vec3, vec3};
 
 /// A row of balls on a checkerboard under a soft sky: diffuse, plastics, metals from rough to mirror, glass.
@@ -72,6 +75,42 @@ pub(super) fn models() -> Scene {
     scene.place(quad(vec3(-2.2, 0.0, 1.0), Vec3::X * 2.2, Vec3::Y * 0.8), window);
     scene.view([0.0, 2.0, 9.0], [0.0, 0.4, 0.0], 0.55, (960, 320));
     scene
+}
+
+/// A row of balls, one for each lobe that glTF's extensions add: lacquered, of cloth, brushed, translucent, iridescent.
+pub(super) fn layered() -> Scene {
+    let mut scene = on_checkerboard();
+    let row = [
+        Material {
+            clearcoat: Some(Clearcoat::new(1.0, 0.0)),
+            metallic: 0.5,
+            ..Material::plastic("lacquer", [0.5, 0.03, 0.02], 0.5)
+        },
+        Material { sheen: Some(Sheen::new([0.5, 0.6, 0.9], 0.4)), ..Material::diffuse("cloth", [0.05, 0.06, 0.15]) },
+        Material { anisotropy: Some(Anisotropy::new(0.7)), ..Material::metal("brushed", [0.9, 0.85, 0.8], 0.3) },
+        Material {
+            diffuse_transmission: Some(DiffuseTransmission::new(0.7, [0.9, 0.5, 0.1])),
+            ..Material::plastic("wax", [0.8, 0.75, 0.6], 0.3)
+        },
+        Material { iridescence: Some(Iridescence::new(1.0, 400.0)), ..Material::metal("soap", [0.3; 3], 0.1) },
+    ];
+    for (i, material) in row.into_iter().enumerate() {
+        let material = scene.paint(material);
+        let centre = vec3(i as f32 * 1.1 - 2.2, 0.5, 0.0);
+        scene.place(along_parallels(sphere(centre, 0.5, 5), centre), material);
+    }
+    let lamp = scene.paint(Material { double_sided: true, ..Material::emitter("lamp", [30.0; 3]) });
+    scene.place(panel(vec3(0.0, 3.0, 1.0), 0.5, 0.5), lamp);
+    scene.place(panel(vec3(1.5, 2.0, -2.0), 0.5, 0.5), lamp);
+    scene.view([0.0, 1.5, 6.0], [0.0, 0.4, 0.0], 0.55, (640, 320));
+    scene
+}
+
+/// A ball whose tangents follow the parallels about the vertical.
+fn along_parallels(ball: Mesh, centre: Vec3) -> Mesh {
+    let tangent = |p: &Vec3| Vec3::Y.cross(p - centre).normalize_or(Vec3::X).extend(1.0);
+    let tangents = Some(ball.positions.iter().map(tangent).collect());
+    Mesh { tangents, ..ball }
 }
 
 /// White metal balls of roughness 0 and from there on: alpha = roughness² of .0009986 still counts as a mirror,

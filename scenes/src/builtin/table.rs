@@ -143,6 +143,7 @@ pub(super) static BUILTINS: &[Builtin] = &[
     ),
     plain("material-balls", "diffuse, plastic, metal, mirror and glass balls in a row", surfaces::material_balls),
     plain("models", "a ball for each model that is not glTF's, and a window", surfaces::models),
+    plain("layered", "lacquered, cloth, brushed, translucent and iridescent balls in a row", surfaces::layered),
     hard(
         "phong",
         "Phong balls, from dull to a highlight a tenth of a degree wide",
