@@ -8,6 +8,7 @@ use crate::core::cdf::invert;
 use crate::core::color::{Color, color};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec2, Vec3, vec3};
+use crate::light::area::{Shape, by_solid_angle, seen_pdf};
 use crate::material::EmissionValue;
 use crate::schema::*;
 
@@ -16,6 +17,7 @@ pub mod directional;
 pub mod environment;
 pub mod point;
 pub mod spot;
+pub mod tree;
 
 /// A light as seen from a point: for next event estimation.
 #[derive(Clone, Copy)]
@@ -74,11 +76,31 @@ pub struct Light {
 }
 impl_staged!(Light { sample_direct, sample_emission, emission, has_area });
 
-/// Choose a light by its share of the scene's power, and sample it from a point. Draws at most 3 numbers.
+/// Choose a light and sample it from a point: by its share of the scene's power or, where there is a [`tree`], of what may arrive
+/// at the point. Draws at most 4 numbers.
 pub fn sample_light(b: &mut Block, rng: Rng, point: Vec3) -> DirectLightSample {
-    let (u, rng) = rng.next();
-    let index = choose_light(b, u);
-    with_light(b, index, |b, light| light.sample_direct.call(b, (rng, point)))
+    let by_power = |b: &mut Block| {
+        let (u, rng) = rng.next();
+        let index = choose_light(b, u);
+        with_light(b, index, |b, light| light.sample_direct.call(b, (rng, point)))
+    };
+    let by_tree = |b: &mut Block| {
+        let (index, probability) = tree::choose(b, rng, point);
+        let (_, rest) = rng.words::<2>();
+        let sample = with_light(b, index, |b, light| light.sample_direct.call(b, (rest, point)));
+        DirectLightSample { pdf_dir: chosen(index, probability, sample.pdf_dir), ..sample }
+    };
+    b.if_(has_tree(), by_tree, by_power)
+}
+
+fn has_tree() -> Bool {
+    Row::<Settings>::at(0u32).get(Settings::HAS_LIGHT_TREE)
+}
+
+/// A density with the choice of light `index` by its power, with that by another probability instead.
+fn chosen(index: U32, probability: F32, pdf: F32) -> F32 {
+    let by_power = Row::<Lights>::at(index).get(Lights::PROBABILITY);
+    probability.gt(0.0).select(pdf * (probability / by_power), 0.0.into())
 }
 
 /// The light that a uniform number draws: each with probability [`Lights::PROBABILITY`], to the bit. A kernel that knows of
@@ -124,18 +146,41 @@ fn own_or_environment<T: Staged>(
     )
 }
 
-/// Density with which light sampling finds a point of an area light (a row of `Lights`), per square metre, the choice of
-/// the light included; 0 for `NONE`.
+/// Density with which emission sampling, and light sampling by area, find a point of an area light (a row of `Lights`), per
+/// square metre, the choice of the light included; 0 for `NONE`.
 pub fn area_pdf(light: U32) -> F32 {
     let is_light = light.ne(NONE);
     let row = Row::<Lights>::at(is_light.select(light, 0u32.into()));
     is_light.select(row.get(Lights::PROBABILITY) / row.get(Lights::AREA), 0.0.into())
 }
 
-/// Density per steradian with which light sampling finds what a ray hits: from density per square metre there, `distance`
-/// along the ray, whose direction makes this cosine with the face normal.
-pub fn hit_pdf(pdf_area: F32, distance: F32, cos: F32) -> F32 {
-    pdf_area * distance * distance / cos.abs()
+/// Density per steradian with which light sampling finds what a ray hits of an area light (a row of `Lights`), the choice of
+/// the light included; 0 for `NONE`. `distance` is that along the ray, whose direction makes this cosine with the face normal.
+///
+/// A path knows the origin of its ray, which was moved off the surface by some roundings of its coordinates (or by what the
+/// render asks for), where sampling is given the point itself. So the two weights of a direction add to 1 up to that step
+/// over the distance of the light.
+pub fn hit_pdf(b: &mut Block, light: U32, from: Vec3, distance: F32, cos: F32) -> F32 {
+    let by_angle = |b: &mut Block| {
+        let seen = |b: &mut Block| {
+            b.dispatch(Row::<Lights>::at(light), |b, row| {
+                let of = |shape| move |_: &mut Block| seen_pdf(row, shape, from);
+                let (triangle, quad) = (of(Shape::Triangle), of(Shape::Parallelogram));
+                let kinds: [(u32, &dyn Fn(&mut Block) -> F32); 2] = [(LIGHT_TRIANGLE, &triangle), (LIGHT_QUAD, &quad)];
+                b.switch(row.get(Lights::KIND), &kinds, |_| F32::from(0.0))
+            })
+        };
+        b.if_(light.ne(NONE), seen, |_| F32::from(0.0))
+    };
+    let pdf = b.if_(by_solid_angle(), by_angle, |_| area_pdf(light) * distance * distance / cos.abs());
+    let in_tree = |b: &mut Block| {
+        let of_light = |b: &mut Block| {
+            let probability = tree::probability(b, light, from);
+            chosen(light, probability, pdf)
+        };
+        b.if_(light.ne(NONE), of_light, |_| F32::from(0.0))
+    };
+    b.if_(has_tree(), in_tree, |_| pdf)
 }
 
 /// Position, or first corner.

@@ -18,7 +18,8 @@ use crate::texture::look_up;
 pub struct EmissionValue {
     /// Radiance, W/(m² sr).
     pub intensity: Color,
-    /// Density of the point under light sampling, per square metre, the choice of the light included.
+    /// Density of the point under emission sampling, per square metre, the choice of the light included. (That of next event
+    /// estimation is [`hit_pdf`](crate::light::hit_pdf).)
     pub pdf_area: F32,
     /// Density of the direction under emission sampling, per steradian.
     pub pdf_dir: F32,

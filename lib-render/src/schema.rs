@@ -50,6 +50,10 @@ table! {
         HAS_LIGHTS: Bool, structure;
         /// Is there exactly one?
         HAS_ONE_LIGHT: Bool, structure;
+        /// Is there a tree over the lights?
+        HAS_LIGHT_TREE: Bool, structure;
+        /// Are area lights sampled by solid angle, not by area?
+        BY_SOLID_ANGLE: Bool, structure;
         /// Does any material cut holes (mask or blend)?
         HAS_CUTOUTS: Bool, structure;
         /// Does any volume absorb?
@@ -72,6 +76,8 @@ table! {
         OCCLUSION_DISTANCE: F32, value;
         /// Rows of [`Instances`].
         INSTANCE_COUNT: U32, value;
+        /// Number of lights in the tree: the first ones.
+        TREE_LIGHTS: U32, value;
     }
 }
 
@@ -147,6 +153,7 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Tree>(),
     spec::<Lights>(),
     spec::<LightChoice>(),
+    spec::<LightTree>(),
     spec::<Environment>(),
     spec::<EnvironmentTexels>(),
     spec::<EnvironmentColumns>(),

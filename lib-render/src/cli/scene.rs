@@ -150,6 +150,7 @@ pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
         ray_offset: args.ray_offset,
         occlusion_distance: args.shown.ao_distance.unwrap_or(f32::INFINITY),
         camera: Some(CameraKind::of(camera)),
+        solid_angle: args.solid_angle,
         ..Choices::default()
     }
 }

@@ -7,6 +7,7 @@ pub mod rng;
 pub mod math;
 pub mod onb;
 pub mod sampling;
+pub mod spherical;
 pub mod cdf;
 pub mod alias;
 pub mod fresnel;

@@ -34,6 +34,8 @@ table! {
         NUMBERS: ref Parameters, structure;
         /// Probability of choosing this light.
         PROBABILITY: F32, value;
+        /// The way to it in the [`LightTree`]: bit k says to which child to go from level k.
+        TRAIL: U32, value;
         /// Area lights: the (first) primitive.
         PRIMITIVE: U32, value;
         /// Area lights: the second primitive of a quad, or `NONE`. Its corners are P0+E1+E2, P0+E2, P0+E1 in some order.
@@ -78,5 +80,39 @@ table! {
     pub LightChoice {
         /// Probability of the lights before this one.
         CDF: F32, bulk;
+    }
+}
+
+/// Set in [`LightTree::LINK`] of a leaf.
+pub const TREE_LEAF: u32 = 1 << 31;
+
+table! {
+    /// A tree over the lights that have a place; the root is row 0, the first child of a node the row after it. A zero row where
+    /// there is no tree.
+    pub LightTree {
+        /// Middle of a ball around all its lights, world.
+        X: F32, bulk;
+        /// See [`LightTree::X`].
+        Y: F32, bulk;
+        /// See [`LightTree::X`].
+        Z: F32, bulk;
+        /// Its radius, m.
+        RADIUS: F32, bulk;
+        /// Axis of a cone around all normals, unit, world.
+        AXIS_X: F32, bulk;
+        /// See [`LightTree::AXIS_X`].
+        AXIS_Y: F32, bulk;
+        /// See [`LightTree::AXIS_X`].
+        AXIS_Z: F32, bulk;
+        /// Share of the power of all lights in the tree.
+        POWER: F32, bulk;
+        /// Cosine of the cone's half angle, which is in [0, π].
+        COS_NORMALS: F32, bulk;
+        /// Its sine.
+        SIN_NORMALS: F32, bulk;
+        /// Cosine of the largest angle between light and its normal.
+        COS_LIGHT: F32, bulk;
+        /// The second child, or [`TREE_LEAF`] and a row of [`Lights`].
+        LINK: U32, bulk;
     }
 }

@@ -100,7 +100,7 @@ fn emitted(b: &mut Block, ray: Ray, hit: Hit, state: RayState, surf: SurfaceElem
     let lit = |b: &mut Block| {
         let emission = |b: &mut Block| {
             let value = mat.emission.call(b, -ray.dir);
-            let by_light = hit_pdf(value.pdf_area, hit.t, surf.face_cos(ray.dir));
+            let by_light = hit_pdf(b, surf.light, ray.org, hit.t, surf.face_cos(ray.dir));
             let weight = state.is_specular.select(F32::from(1.0), power_heuristic(state.pdf_dir, by_light));
             arriving(b, state, hit).absorb(value.intensity) * weight
         };

@@ -25,7 +25,7 @@ use jerboa_lib_render::geometry::offset::spawn_shadow_ray;
 use jerboa_lib_render::geometry::{SurfaceElement, make_geometry};
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_lib_render::light::environment::seen_environment;
-use jerboa_lib_render::light::{choose_light, hit_pdf, sample_light, with_light};
+use jerboa_lib_render::light::{choose_light, hit_pdf, sample_light, tree, with_light};
 use jerboa_lib_render::ray::Ray;
 use jerboa_lib_render::schema::{Geometries, Lights, NONE, Primitives, Settings};
 use jerboa_lib_render::shader::make_shader;
@@ -81,6 +81,8 @@ pub struct Emitted {
 
 /// The lights of a scene.
 pub struct LightProbe {
+    /// Are lamps sampled by solid angle in what is loaded next?
+    pub solid_angle: bool,
     bench: Bench,
     /// What the tables subtract from positions.
     origin: DVec3,
@@ -105,6 +107,8 @@ impl Default for LightProbe {
                     (index, Row::<Lights>::at(index).get(Lights::PROBABILITY))
                 }),
             );
+            entry("choose by tree", Fun::lam(|b, (rng, point): (Rng, vec::Vec3)| tree::choose(b, rng, point)));
+            entry("probability", Fun::lam(|b, (light, point): (U32, vec::Vec3)| tree::probability(b, light, point)));
             entry(
                 "sample",
                 Fun::lam(move |b, (rng, point): (Rng, vec::Vec3)| {
@@ -131,7 +135,7 @@ impl Default for LightProbe {
                                 let surf = geometry.surface_element.call(b, (ray, hit));
                                 let emission = geometry.shader.call(b, (ray, hit, surf)).emission.call(b, -dir);
                                 let cos = surf.face_cos(dir).abs();
-                                let pdf = hit_pdf(emission.pdf_area, hit.t, cos);
+                                let pdf = hit_pdf(b, surf.light, org, hit.t, cos);
                                 (emission.intensity, emission.intensity.is_black().select(0.0.into(), pdf), hit.t, cos)
                             })
                         },
@@ -156,7 +160,7 @@ impl Default for LightProbe {
                 }),
             );
         });
-        LightProbe { bench, origin: DVec3::ZERO }
+        LightProbe { solid_angle: false, bench, origin: DVec3::ZERO }
     }
 }
 
@@ -168,7 +172,8 @@ fn floats<const N: usize>(words: &[u32]) -> [f32; N] {
 impl LightProbe {
     /// Take this scene; gives its tables.
     pub fn load(&mut self, scene: &Scene) -> Tables {
-        let tables = Tables::new(scene, &Choices::default(), Known::Nothing);
+        let choices = Choices { solid_angle: self.solid_angle, ..Choices::default() };
+        let tables = Tables::new(scene, &choices, Known::Nothing);
         self.bench.load(&tables);
         self.origin = tables.origin;
         tables
@@ -183,6 +188,21 @@ impl LightProbe {
     pub fn choose(&mut self, u: f32) -> (usize, f32) {
         let out = self.bench.run("choose", &[u.to_bits()]);
         (out[0] as usize, f32::from_bits(out[1]))
+    }
+
+    /// The light that the tree draws for a point by the numbers of a key, and its probability.
+    pub fn choose_by_tree(&mut self, key: u32, point: V) -> (usize, f32) {
+        let args = [stream(key), self.place(point).map(f32::to_bits)].concat();
+        let out = self.bench.run("choose by tree", &args);
+        (out[0] as usize, f32::from_bits(out[1]))
+    }
+
+    /// Probability with which the tree draws a light for a point; of the first lights by the interpreter too.
+    pub fn probability(&mut self, light: usize, point: V) -> f32 {
+        let args = [&[light as u32], &self.place(point).map(f32::to_bits)[..]].concat();
+        let both = light < 10;
+        let out = if both { self.bench.run_both("probability", &args) } else { self.bench.run("probability", &args) };
+        f32::from_bits(out[0])
     }
 
     /// Light sampling at a point in the air by the numbers of a key; `both`: by the interpreter too, to the same bits.

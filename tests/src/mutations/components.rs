@@ -91,6 +91,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         mistake: "a ray that hits an emitter is weighed without the probability of choosing that light",
     },
     Mutation {
+        name: "half-of-a-lamp-forgotten",
+        file: "lib-render/src/light/area.rs",
+        before: "self.first.solid_angle + s.solid_angle",
+        after: "self.first.solid_angle",
+        mistake: "the solid angle of a parallelogram is that of one half",
+    },
+    Mutation {
+        name: "tree-share-forgotten",
+        file: "lib-render/src/light/tree.rs",
+        before: "p * tree_share()",
+        after: "p",
+        mistake: "a light of the tree that a ray hits is weighed as if there was no sky beside the tree",
+    },
+    Mutation {
         name: "spot-falls-off-linearly",
         file: "lib-render/src/light/spot.rs",
         before: "strength(row) * (ramp * ramp)",

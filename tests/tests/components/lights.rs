@@ -9,16 +9,16 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::{DAffine3, DVec3};
-use jerboa_ir::lang::{F32, Fun, entry};
+use jerboa_ir::lang::{Buf, F32, Fun, entry};
 use jerboa_lib_render::mis::power_heuristic;
-use jerboa_lib_render::schema::{LightChoice, Lights, binding};
+use jerboa_lib_render::schema::{LIGHT_POINT, LIGHT_QUAD, LightChoice, Lights, Settings, binding};
 use jerboa_scenes::{Environment, Light, LightKind, Material, Scene};
 use jerboa_tests::harness::analytic::{ALBEDO, Estimate, bound, direct, light, place, rectangle, sphere};
 use jerboa_tests::harness::bench::{Bench, Random, number};
 use jerboa_tests::harness::chi2;
-use jerboa_tests::harness::lights::{Drawn, LightProbe, lights};
+use jerboa_tests::harness::lights::{Drawn, LightProbe, Lit, lights};
 use jerboa_tests::harness::probe::V;
-use jerboa_tests::harness::stats::{FAMILY, mean, sidak};
+use jerboa_tests::harness::stats::{FAMILY, chi2_tail, mean, sidak};
 
 /// Samples of a light.
 fn samples(quick: usize) -> usize {
@@ -30,15 +30,23 @@ fn draw(probe: &mut LightProbe, row: usize, point: V, n: usize) -> Vec<Drawn> {
     (0..n as u32).map(|i| probe.sample((row as u32) << 24 | i, point, i < 10)).collect()
 }
 
+/// Each row of the table, sampled by area, and a single lamp by solid angle too.
+fn ways(table: &[Lit]) -> impl Iterator<Item = ((usize, &Lit), bool)> {
+    let rows = table.iter().enumerate().flat_map(|row| [(row, false), (row, true)]);
+    // Without a chart a row takes long, and a sky has no lamp.
+    rows.filter(|((_, row), solid_angle)| !solid_angle || row.chart.is_some() && !row.scene.meshes.is_empty())
+}
+
 /// T5. What is drawn and not blocked follows the density that a ray into its direction is told of.
 #[test]
 fn lights_are_drawn_by_their_density() {
     let mut probe = LightProbe::default();
     let (table, n) = (lights(), samples(4_000));
     println!("{n} samples, keys from row << 24 on");
-    let level = sidak(FAMILY, table.len());
+    let level = sidak(FAMILY, 2 * table.len());
     let mut faults = Vec::new();
-    for (i, row) in table.iter().enumerate() {
+    for ((i, row), solid_angle) in ways(&table) {
+        probe.solid_angle = solid_angle;
         probe.load(&row.scene);
         let found = |s: Drawn| (s.pdf > 0.0 && !s.is_delta && !s.is_blocked).then_some(s.wi);
         // Where there is no chart every edge of a light costs thousands of rays.
@@ -46,10 +54,13 @@ fn lights_are_drawn_by_their_density() {
         let directions: Vec<Option<V>> = draw(&mut probe, i, row.point, few).into_iter().map(found).collect();
         let pdf = |dir| f64::from(probe.see(row.point, dir).pdf);
         let report = match &row.chart {
-            Some(chart) => chart.test(row.point, &directions, pdf),
+            Some(chart) => chart.test(row.point, &directions, solid_angle, pdf),
             None => chi2::sphere(&directions, pdf),
         };
-        println!("{}: ∫ {:.6}, lost {:.4}, p {:.3}", row.name, report.integral, report.lost, report.p);
+        println!(
+            "{}, by solid angle {solid_angle}: ∫ {:.6}, lost {:.4}, p {:.3}",
+            row.name, report.integral, report.lost, report.p
+        );
         faults.extend(report.fault(level).map(|f| format!("{}: {f}", row.name)));
     }
     assert!(faults.is_empty(), "{faults:#?}");
@@ -60,7 +71,8 @@ fn lights_are_drawn_by_their_density() {
 #[test]
 fn a_sample_is_what_a_ray_sees() {
     let mut probe = LightProbe::default();
-    for (i, row) in lights().iter().enumerate() {
+    for ((i, row), solid_angle) in ways(&lights()) {
+        probe.solid_angle = solid_angle;
         probe.load(&row.scene);
         let (mut compared, mut apart) = (0, 0);
         // Between two texels a rounding of the direction is worth a share of the brighter one.
@@ -92,7 +104,13 @@ fn light_sampling_alone_has_the_closed_form() {
     let n = samples(2_000);
     println!("{n} samples, keys from row << 24 on");
     let mut faults = Vec::new();
-    for (i, closed) in direct().iter().enumerate().filter(|(_, c)| !c.is_near) {
+    // By solid angle no lamp is too near.
+    let table = direct();
+    let ways = table.iter().enumerate().flat_map(|row| [(row, false), (row, true)]);
+    for ((i, closed), solid_angle) in
+        ways.filter(|((_, c), by_angle)| if *by_angle { c.name.starts_with("lamp") } else { !c.is_near })
+    {
+        probe.solid_angle = solid_angle;
         let mut scene = closed.scene.clone();
         // The floor: it faces away from itself, and its rounding would stand in the way.
         scene.instances.remove(0);
@@ -106,7 +124,10 @@ fn light_sampling_alone_has_the_closed_form() {
             };
             let drawn = draw(&mut probe, i, [point[0], 0.0, point[2]], n * closed.effort);
             let found = Estimate::of(&drawn.into_iter().map(reflected).collect::<Vec<_>>());
-            println!("{}: {:.6e} ± {:.1e}, truth {truth:.6e}", closed.name, found.mean, found.error);
+            println!(
+                "{}, by solid angle {solid_angle}: {:.6e} ± {:.1e}, truth {truth:.6e}",
+                closed.name, found.mean, found.error
+            );
             faults.extend(found.fault(*truth, closed.facets, bound(4e-3, n)).map(|f| format!("{}: {f}", closed.name)));
         }
     }
@@ -172,18 +193,67 @@ fn lights_are_chosen_with_the_probability_that_is_told() {
 #[test]
 fn one_over_the_probability_counts_the_lights() {
     let mut probe = LightProbe::default();
-    let n = samples(20_000);
+    let n = samples(160_000);
     println!("{n} samples, keys 0 to {n}");
     for count in [1, 33, 1000] {
         // Powers from 1 to 4.
         let lights = (0..count).map(|i| light(LightKind::Point, 1.0 + (i % 4) as f32, i as f64 / 100.0));
         probe.load(&Scene { lights: lights.collect(), ..Scene::default() });
-        let inverse = |key| 1.0 / (f64::from(probe.sample(key, [1.0, 0.0, 0.0], key < 10).pdf) * count as f64);
+        let inverse = |key| 1.0 / (f64::from(probe.sample(key, [100.0, 0.0, 0.0], key < 10).pdf) * count as f64);
         let (mean, error) = mean((0..n as u32).map(inverse));
         println!("{count} lights: {mean} ± {error}");
         let off = (mean - 1.0).abs();
         assert!(off <= 4.0 * error + 1e-6 && off <= 0.01 && 4.0 * error <= 0.03, "{count}: {mean} ± {error}");
     }
+}
+
+/// T26, with a tree. The probability that a drawn light is told is to the bit the one that a ray to it asks for; lights are
+/// drawn by these probabilities (χ²), which add to 1 less what is lost where a node may give light and no child does; and
+/// every light that is turned to the point may be drawn.
+#[test]
+fn a_tree_draws_lights_by_the_probability_that_is_told() {
+    let mut probe = LightProbe::default();
+    let n = samples(4_000);
+    println!("{n} samples, keys 0 to {n}");
+    let points = [[3.1, 2.5, 0.2], [16.0, -3.0, 9.0], [1e3, 1.0, 0.0]];
+    let level = sidak(FAMILY, 3 * points.len());
+    let mut faults = Vec::new();
+    for (count, sky) in [(33, true), (80, false), (1000, true)] {
+        let tables = probe.load(&many(count, sky, |i| (0.3 * ((i * 7919 % 101) as f32 / 10.0 - 5.0)).exp()));
+        let in_tree = tables.memory[binding::<Settings>()].words[Settings::TREE_LIGHTS.0 as usize] as usize;
+        let rows: Vec<&[u32]> = tables.memory[binding::<Lights>()].words.chunks(Lights::COLUMNS.len()).collect();
+        assert!(in_tree >= 16 && rows.len() == count && in_tree < count, "{in_tree} of {count}");
+        for point in points {
+            let mut told = Vec::new();
+            for (i, row) in rows.iter().enumerate() {
+                let word = |column: u32| row[column as usize];
+                let p = f32::from_bits(word(Lights::PROBABILITY.0));
+                told.push(if i < in_tree { probe.probability(i, point) } else { p });
+                let is_lamp = word(Lights::KIND.0) == LIGHT_QUAD;
+                // Lamps face down.
+                let faces = word(Lights::DOUBLE_SIDED.0) != 0
+                    || f64::from(f32::from_bits(word(Lights::P_Y.0))) + tables.origin.y > f64::from(point[1]) + 1e-3;
+                let shines = word(Lights::KIND.0) == LIGHT_POINT || is_lamp && faces;
+                assert!(told[i] > 0.0 || !shines, "{count} lights, {point:?}: light {i} is never drawn");
+            }
+            let mut drawn = vec![0.0; count + 1];
+            for key in 0..n as u32 {
+                let (light, p) = probe.choose_by_tree(key, point);
+                assert!(p == 0.0 || p == told[light], "{count} lights, {point:?}: light {light}, {p}");
+                drawn[if p > 0.0 { light } else { count }] += 1.0;
+            }
+            let sum: f64 = told.iter().map(|p| f64::from(*p)).sum();
+            let lost = (1.0 - sum).max(0.0);
+            let expected: Vec<f64> = told.iter().map(|p| f64::from(*p)).chain([lost]).map(|p| p * n as f64).collect();
+            let (chi2, freedom) = chi2::pearson(&drawn, &expected);
+            let p = if freedom == 0 { 1.0 } else { chi2_tail(chi2, freedom) };
+            println!("{count} lights from {point:?}: probabilities add to {sum:.6}, p {p:.3}");
+            if p < level || sum > 1.0 + 1e-5 {
+                faults.push(format!("{count} lights from {point:?}: sum {sum}, p {p}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 #[test]
@@ -227,8 +297,12 @@ fn a_lamp_does_not_hide_itself() {
             let mut scene = Scene::default();
             let lamp = rectangle(glam::vec3(-0.5, 1.0, -0.5 * width), x, z * width);
             place(&mut scene, lamp, Material::emitter("lamp", [1.0; 3]), 1.0, DVec3::ZERO);
+            probe.solid_angle = false;
             probe.load(&scene);
-            for s in draw(&mut probe, 0, point, samples(1_000)) {
+            let by_area = draw(&mut probe, 0, point, samples(1_000));
+            probe.solid_angle = true;
+            probe.load(&scene);
+            for s in draw(&mut probe, 0, point, samples(1_000)).into_iter().chain(by_area) {
                 assert_eq!(s.pdf > 0.0 && s.pdf.is_finite(), lit, "width {width}, from {point:?}: {s:?}");
                 assert!(!lit || !s.is_blocked, "width {width}, from {point:?}: {s:?}");
                 assert!(lit || s.radiance == 0.0, "width {width}, from {point:?}: {s:?}");

@@ -7,6 +7,7 @@ use jerboa_ir::lang::Buf;
 use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 
 use super::geometry::Placed;
+use super::light_tree::{self, Emission, TREE_FROM};
 use super::memory::{Memory, RowMut, Table};
 use super::models::{Numbers, own_light};
 use crate::components::Components;
@@ -27,6 +28,10 @@ pub struct LightTables {
     pub marks: Vec<(u32, u32)>,
     /// Number of lights.
     pub count: u32,
+    /// [`LightTree`].
+    pub tree: Memory,
+    /// How many of them are in the tree; the others come after them. 0 where there is none.
+    pub in_tree: u32,
 }
 
 /// A light before its row is written: power decides how often it is chosen.
@@ -72,9 +77,20 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
         let others: f64 = candidates.iter().map(|c| c.power).sum();
         candidates.push(Candidate { power: if others > 0.0 { others } else { 1.0 }, kind: Kind::Environment });
     }
+    // Light from infinitely far away behind the others, if those are in a tree.
+    let has_place = |c: &Candidate| emission(scene, origin, c);
+    let mut places: Vec<Emission> = candidates.iter().filter_map(has_place).collect();
+    if places.len() < TREE_FROM {
+        places.clear();
+    } else {
+        candidates.sort_by_key(|c| has_place(c).is_none());
+    }
+    let (tree, trails) = light_tree::build(&places);
     let mut out = LightTables {
         lights: Memory::default(),
         choice: Memory::default(),
+        tree,
+        in_tree: places.len() as u32,
         marks: Vec::new(),
         count: candidates.len() as u32,
     };
@@ -85,7 +101,7 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
         for (i, c) in candidates.iter().enumerate() {
             let mut row = table.push();
             row.set(L::PROBABILITY, distribution.probability(i)).set(L::SCENE_RADIUS, radius);
-            row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE);
+            row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE).set(L::TRAIL, trails.get(i).copied().unwrap_or(0));
             write(&mut row, scene, origin, &c.kind);
             if let Kind::Punctual(light) = &c.kind
                 && let LightKind::Own(own) = scene.lights[*light].kind
@@ -105,6 +121,42 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
     out.lights = table.finish();
     out.choice = choice.finish();
     out
+}
+
+/// Where a light is and where it shines; none for one that is infinitely far away, or of a user's crate. Its power is in the
+/// unit of candidates.
+fn emission(scene: &Scene, origin: DVec3, candidate: &Candidate) -> Option<Emission> {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let power = candidate.power;
+    match &candidate.kind {
+        Kind::Environment => None,
+        Kind::Punctual(i) => {
+            let light = &scene.lights[*i];
+            let place = (light.position() - origin).as_vec3().as_dvec3();
+            let at = |normals, light_angle| {
+                Some(Emission { lo: place, hi: place, axis: light.direction(), normals, light: light_angle, power })
+            };
+            match light.kind {
+                LightKind::Point => at(PI, FRAC_PI_2),
+                LightKind::Spot { outer, .. } => at(0.0, outer.into()),
+                LightKind::Directional | LightKind::Own(_) => None,
+            }
+        }
+        Kind::Area { emitter, other } => {
+            let [p, e1, e2] = edges(&emitter.triangle, other.map_or(0, |q| q.corner)).map(|v| v.as_dvec3());
+            let (lo, hi) = (p.min(p + e1).min(p + e2), p.max(p + e1).max(p + e2));
+            let fourth = if other.is_some() { p + e1 + e2 } else { p };
+            let both = scene.materials[emitter.material].double_sided;
+            Some(Emission {
+                lo: lo.min(fourth),
+                hi: hi.max(fourth),
+                axis: e1.cross(e2).normalize(),
+                normals: if both { PI } else { 0.0 },
+                light: FRAC_PI_2,
+                power,
+            })
+        }
+    }
 }
 
 fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {

@@ -20,6 +20,7 @@ pub mod plane;
 pub mod placing;
 pub mod sharing;
 pub mod lights;
+pub mod light_tree;
 mod tree;
 pub mod classes;
 
@@ -64,6 +65,9 @@ pub struct Choices {
     pub camera: Option<CameraKind>,
     /// Most triangles of a mesh's copies in the world before its instances share them; see [`sharing`].
     pub most_copies: u32,
+    /// Sample lamps uniformly by solid angle, not by area: the same image on average, and less noise where a lamp is near and
+    /// large.
+    pub solid_angle: bool,
 }
 
 impl Default for Choices {
@@ -77,6 +81,7 @@ impl Default for Choices {
             occlusion_distance: f32::INFINITY,
             camera: None,
             most_copies: sharing::MOST_COPIES,
+            solid_angle: false,
         }
     }
 }
@@ -186,6 +191,7 @@ impl Tables {
         put(binding::<Instances>(), instances);
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
+        put(binding::<LightTree>(), lights.tree);
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
         put(binding::<Environment>(), row);
         put(binding::<EnvironmentTexels>(), texels);
@@ -193,7 +199,7 @@ impl Tables {
         put(binding::<EnvironmentRows>(), rows);
 
         let camera = choices.camera.unwrap_or_else(|| CameraKind::of_scene(scene));
-        put(binding::<Settings>(), settings(scene, choices, camera, lights.count, instance_count));
+        put(binding::<Settings>(), settings(scene, choices, camera, [lights.count, lights.in_tree], instance_count));
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
@@ -246,18 +252,20 @@ impl Tables {
             put(binding::<Tree>(), tree.words);
             (new.native, new.cutouts) = (tree.native, cutouts);
         }
-        let settings_before = &self.memory[binding::<Settings>()].words;
-        let [mut count, instance_count] =
-            [Settings::LIGHT_COUNT, Settings::INSTANCE_COUNT].map(|column| settings_before[column.0 as usize]);
+        let former = &self.memory[binding::<Settings>()].words;
+        let columns = [Settings::LIGHT_COUNT.0, Settings::TREE_LIGHTS.0, Settings::INSTANCE_COUNT.0];
+        let [count, in_tree, instance_count] = columns.map(|column| former[column as usize]);
+        let mut counts = [count, in_tree];
         if change.lights {
             let mut lights = lights::lights(scene, self.origin, self.radius, components);
             geometry::to_rows(&self.memory[binding::<Instances>()], &mut lights.marks);
             put(binding::<Lights>(), lights.lights);
             put(binding::<LightChoice>(), lights.choice);
+            put(binding::<LightTree>(), lights.tree);
             lights::mark(&mut new.memory[binding::<Primitives>()], &self.marks, &lights.marks);
-            (count, new.marks) = (lights.count, lights.marks);
+            (counts, new.marks) = ([lights.count, lights.in_tree], lights.marks);
         }
-        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, count, instance_count));
+        new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, counts, instance_count));
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
         new
     }
@@ -280,7 +288,14 @@ fn are_some(sharing: &sharing::Sharing) -> Vec<bool> {
     sharing.iter().map(Option::is_some).collect()
 }
 
-fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: u32, instances: u32) -> Memory {
+/// `lights` and `in_tree`: how many.
+fn settings(
+    scene: &Scene,
+    choices: &Choices,
+    camera: CameraKind,
+    [lights, in_tree]: [u32; 2],
+    instances: u32,
+) -> Memory {
     use Settings as S;
     let mut table = Table::<S>::new();
     table
@@ -294,10 +309,13 @@ fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: u32, i
         .set(S::HAS_RAY_OFFSET, choices.ray_offset > 0.0)
         .set(S::RAY_OFFSET, choices.ray_offset)
         .set(S::OCCLUSION_DISTANCE, choices.occlusion_distance)
+        .set(S::BY_SOLID_ANGLE, choices.solid_angle)
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
         .set(S::HAS_LIGHTS, lights > 0)
         .set(S::HAS_ONE_LIGHT, lights == 1)
         .set(S::LIGHT_COUNT, lights)
+        .set(S::HAS_LIGHT_TREE, in_tree > 0)
+        .set(S::TREE_LIGHTS, in_tree)
         .set(S::HAS_CUTOUTS, tree::cutouts(scene).contains(&true))
         .set(S::HAS_INSTANCES, instances > 0)
         .set(S::INSTANCE_COUNT, instances)

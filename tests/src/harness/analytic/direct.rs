@@ -28,6 +28,7 @@ pub fn direct() -> Vec<Closed> {
     for z in [0.5, 0.01] {
         all.push(Closed { effort: 9, ..lamp(&format!("that stands on the floor {z} away"), standing(z), false) });
     }
+    all.extend([1.0, 0.3].map(tiles));
     all.push(lamp("in the plane of the floor", [Vec3::new(0.25, 0.0, -0.5), Vec3::Z, Vec3::X], false));
     all.extend([(0.1, 1.0, 15), (0.5, 1.0, 9), (0.99, 1.0, 1), (1.0, 30.0, 9)].map(ball));
     all.extend(skies());
@@ -126,6 +127,23 @@ fn lamp(what: &str, [corner, u, v]: [Vec3; 3], apart: bool) -> Closed {
     // Where the squared distance varies a hundredfold over the lamp.
     let is_near = (0.0..0.3).contains(&if height > 0.0 { height } else { f64::from(corner.z.abs()) });
     Closed { is_near, ..closed(format!("lamp {what}"), scene, vec![(origin(eye), truth)]) }
+}
+
+/// A square lamp cut into 64, which are lights of a tree.
+fn tiles(height: f64) -> Closed {
+    const SIDE: usize = 8;
+    let [corner, u, v] = above(height);
+    let mut whole = lamp(&format!("in 64 tiles at height {height}"), [corner, u, v], false);
+    let mut mesh = Mesh { material: whole.scene.meshes[1].material, ..Mesh::default() };
+    for i in 0..SIDE * SIDE {
+        let [x, y] = [i % SIDE, i / SIDE].map(|k| k as f32 / SIDE as f32);
+        let tile = rectangle(corner + u * x + v * y, u / SIDE as f32, v / SIDE as f32);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(tile.positions);
+        mesh.triangles.extend(tile.triangles.iter().map(|t| t.map(|k| k + first)));
+    }
+    whole.scene.meshes[1] = mesh;
+    whole
 }
 
 /// Share of the light that arrives at the origin of the plane y = 0 from a polygon in y ≥ 0 of radiance 1, by its corners

@@ -59,6 +59,28 @@ impl Chart {
         }
     }
 
+    /// Steradians of a cell of a lamp, the sum of two flat triangles (van Oosterom and Strackee 1983).
+    fn angle(&self, point: V, [x, y]: [usize; 2], [across, down]: [usize; 2]) -> Option<f64> {
+        let (quad, is_triangle) = match self {
+            Chart::Parallelogram(quad) => (quad, false),
+            Chart::Triangle(quad) => (quad, true),
+            Chart::Map(_) => return None,
+        };
+        let [origin, u, v] = quad.map(|x| DVec3::from(x.map(f64::from)));
+        let origin = origin - DVec3::from(point.map(f64::from));
+        let corner = |i: usize, j: usize| {
+            let (s, t) = (i as f64 / across as f64, j as f64 / down as f64);
+            origin + u * s + v * if is_triangle { s * t } else { t }
+        };
+        let triangle = |[p, q, r]: [DVec3; 3]| {
+            let [a, b, c] = [p, q, r].map(|p| p.length());
+            let volume = p.dot((q - p).cross(r - p)).abs();
+            2.0 * volume.atan2(a * b * c + p.dot(q) * c + q.dot(r) * a + r.dot(p) * b)
+        };
+        let [p, q, r, s] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+        Some(triangle([p, q, r]) + triangle([p, r, s]))
+    }
+
     /// The place of a direction.
     fn place(&self, point: V, dir: V) -> [f64; 2] {
         let dir = DVec3::from(dir.map(f64::from));
@@ -81,18 +103,26 @@ impl Chart {
         }
     }
 
-    /// χ² of directions from a point (`None`: there was none) against a density per steradian, over the cells.
-    pub fn test(&self, point: V, samples: &[Option<V>], mut pdf: impl FnMut(V) -> f64) -> Report {
+    /// χ² of directions from a point (`None`: there was none) against a density per steradian, over the cells. `by_angle`: it
+    /// is constant over a lamp.
+    pub fn test(&self, point: V, samples: &[Option<V>], by_angle: bool, mut pdf: impl FnMut(V) -> f64) -> Report {
         let [across, down] = self.grid();
         let (mut seen, mut expected) = (vec![0.0; across * down], vec![0.0; across * down]);
         for (i, cell) in expected.iter_mut().enumerate() {
+            let mut whole = 0.0;
             for (x, wx) in nodes::<3>() {
                 for (y, wy) in nodes::<3>() {
                     let at = |k: usize, n: usize, x: f64| (k as f64 + (x + 1.0) / 2.0) / n as f64;
                     let place = [at(i % across, across, x), at(i / across, down, y)];
                     let (direction, measure) = self.direction(point, place);
-                    *cell += wx * wy / 4.0 * pdf(direction) * measure / (across * down) as f64;
+                    let weight = wx * wy / 4.0 * measure / (across * down) as f64;
+                    (*cell, whole) = (*cell + weight * pdf(direction), whole + weight);
                 }
+            }
+            // By area the product is smooth; by solid angle the density is constant, and a close lamp's measure far from it.
+            if by_angle && whole > 0.0 {
+                let exact = self.angle(point, [i % across, i / across], [across, down]);
+                *cell *= exact.map_or(1.0, |exact| exact / whole);
             }
         }
         let (mut found, mut stray) = (0, 0);
