@@ -61,7 +61,8 @@ pub struct Choices {
     pub ray_offset: f32,
     /// How far ambient occlusion looks, m; infinity for no end.
     pub occlusion_distance: f32,
-    /// The kind of the camera; none for that of the scene's first one, else a pinhole. Which camera of that kind it is never matters.
+    /// The kind of the camera; none for that of the scene's first one, else a pinhole. Which camera of that kind it is never
+    /// matters.
     pub camera: Option<CameraKind>,
     /// Most triangles of a mesh's copies in the world before its instances share them; see [`sharing`].
     pub most_copies: u32,
