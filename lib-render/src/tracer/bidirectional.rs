@@ -22,7 +22,7 @@
 //! and a perfectly specular event is as likely in both directions.
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
+use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
 
 use crate::bsdf::BsdfSample;
 use crate::camera::CameraFn;
@@ -250,9 +250,11 @@ impl LightFrom {
         let row = Row::<Lights>::at(index);
         let kind = row.get(Lights::KIND);
         let squared = light.distance * light.distance;
-        let place = Row::<Primitives>::at(light.primitive);
-        let normal = [Primitives::NORMAL_X, Primitives::NORMAL_Y, Primitives::NORMAL_Z].map(|c| place.get(c));
-        let cos = vec3(normal[0], normal[1], normal[2]).dot(light.wi).abs();
+        let edge = |axes: [Col<Lights, F32>; 3]| vec3(row.get(axes[0]), row.get(axes[1]), row.get(axes[2]));
+        let (e1, e2) =
+            (edge([Lights::E1_X, Lights::E1_Y, Lights::E1_Z]), edge([Lights::E2_X, Lights::E2_Y, Lights::E2_Z]));
+        let scale = e1.abs().max_element().max(e2.abs().max_element());
+        let cos = (e1 / scale).cross(e2 / scale).normalize_scaled().dot(light.wi).abs();
         let sides = row.get(Lights::DOUBLE_SIDED).select(F32::from(0.5), 1.0.into());
         let has_area = !is_parallel(row) & !is_delta(row);
         let opening = 1.0 - row.get(Lights::COS_OUTER);
