@@ -46,9 +46,11 @@ pub fn make_camera() -> CameraFn {
         };
         let orthographic = |_: &mut Block| (eye + right * across - up * down, forward);
         let fisheye = |_: &mut Block| (eye, bent(forward, right * across - up * down));
-        let kinds: [(u32, &dyn Fn(&mut Block) -> (Vec3, Vec3)); 3] =
-            [(CAMERA_THIN, &thin), (CAMERA_ORTHOGRAPHIC, &orthographic), (CAMERA_FISHEYE, &fisheye)];
-        let (org, dir) = b.switch(Row::<Settings>::at(0u32).get(Settings::CAMERA), &kinds, pinhole);
+        let (org, dir) = b.switch(
+            Row::<Settings>::at(0u32).get(Settings::CAMERA),
+            &[(CAMERA_THIN, &thin), (CAMERA_ORTHOGRAPHIC, &orthographic), (CAMERA_FISHEYE, &fisheye)],
+            pinhole,
+        );
         Ray { org, dir, tmax: F32::from(f32::INFINITY), skip: NONE.into(), skip1: NONE.into(), skip2: NONE.into() }
     })
 }

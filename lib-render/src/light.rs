@@ -166,8 +166,8 @@ pub fn hit_pdf(b: &mut Block, light: U32, from: Vec3, distance: F32, cos: F32) -
             b.dispatch(Row::<Lights>::at(light), |b, row| {
                 let of = |shape| move |_: &mut Block| seen_pdf(row, shape, from);
                 let (triangle, quad) = (of(Shape::Triangle), of(Shape::Parallelogram));
-                let kinds: [(u32, &dyn Fn(&mut Block) -> F32); 2] = [(LIGHT_TRIANGLE, &triangle), (LIGHT_QUAD, &quad)];
-                b.switch(row.get(Lights::KIND), &kinds, |_| F32::from(0.0))
+                let kind = row.get(Lights::KIND);
+                b.switch(kind, &[(LIGHT_TRIANGLE, &triangle), (LIGHT_QUAD, &quad)], |_| F32::from(0.0))
             })
         };
         b.if_(light.ne(NONE), seen, |_| F32::from(0.0))

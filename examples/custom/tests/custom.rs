@@ -37,7 +37,7 @@ fn the_lamp_shines_on_the_rings_by_the_model() {
     let library = Library::new(components());
     for x in [0.05, 0.3, 0.5, 0.7] {
         let (at, from) = (DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, 0.6, 0.8));
-        let rho = if (x / 0.2) as u32 % 2 == 0 { 0.6 } else { 0.1 };
+        let rho = if ((x / 0.2) as u32).is_multiple_of(2) { 0.6 } else { 0.1 };
         let d = (4.0 + x * x).sqrt();
         let cos = 2.0 / d;
         // k = 2: f is rho 3/2π times both cosines; the lamp's exponent is 1.

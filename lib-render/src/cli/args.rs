@@ -19,7 +19,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a scene to an image
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Show what the renderer becomes for a scene, stage by stage
     Dump(DumpArgs),
     /// Measure loading, specialization and code generation
