@@ -474,7 +474,7 @@ fn every_error_is_one_readable_line() {
         ("render --spp 0", "invalid value '0' for '--spp <N>'"),
         (
             "render --tracer wood",
-            "invalid value 'wood' for '--tracer <TRACER>' [possible values: path, normals, albedo, depth]",
+            "invalid value 'wood' for '--tracer <TRACER>' [possible values: path, light, bidirectional, normals, albedo, depth, ao]",
         ),
         (
             "dump builtin:cornell-box --stage clif --kernel wood",

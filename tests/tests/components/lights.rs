@@ -10,11 +10,12 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::{DAffine3, DVec3};
 use jerboa_ir::lang::{Buf, F32, Fun, entry};
+use jerboa_lib_render::host::ahead::texels;
 use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::{LIGHT_POINT, LIGHT_QUAD, LightChoice, Lights, Settings, binding};
 use jerboa_scenes::{Environment, Light, LightKind, Material, Scene};
 use jerboa_tests::harness::analytic::{ALBEDO, Estimate, bound, direct, light, place, rectangle, sphere};
-use jerboa_tests::harness::bench::{Bench, Random, number};
+use jerboa_tests::harness::bench::{Bench, Random, number, stream};
 use jerboa_tests::harness::chi2;
 use jerboa_tests::harness::lights::{Drawn, LightProbe, Lit, lights};
 use jerboa_tests::harness::probe::V;
@@ -349,6 +350,28 @@ fn where_a_sky_shines_there_is_density() {
         for up in [1.0, -1.0] {
             let seen = probe.see([0.0, -50.0 * up, 0.0], [0.0, up, 0.0]);
             assert!(seen.radiance.is_finite() && !seen.pdf.is_nan(), "{}: {seen:?}", row.name);
+        }
+    }
+}
+
+/// What the device of streams asks the memory for is what light sampling reads: what it finds lies between those four texels.
+#[test]
+fn the_texels_that_are_asked_for_are_those_that_are_read() {
+    let mut probe = LightProbe::default();
+    let mut random = Random::new(0x5eed_0041);
+    for (width, height) in [(1, 1), (7, 3), (64, 32)] {
+        let radiance: Vec<_> = (0..width * height).map(|_| [random.uniform() as f32; 3]).collect();
+        let map = Environment { width, height, radiance: radiance.clone(), intensity: 1.0, rotation_deg: 30.0 };
+        let tables = probe.load(&Scene { environment: Some(map), ..Scene::default() });
+        for key in 0..samples(1_000) as u32 {
+            let found = probe.sample(key, [0.0; 3], false).radiance;
+            let asked = texels(&tables, stream(key)).expect("there is an environment").map(|i| radiance[i][1]);
+            let (least, most) = asked.into_iter().fold((f32::MAX, 0.0_f32), |(lo, hi), x| (lo.min(x), hi.max(x)));
+            let rounding = 4.0 * f32::EPSILON;
+            assert!(
+                (least - rounding..=most + rounding).contains(&found),
+                "{width}x{height}, {key}: {found}, {asked:?}"
+            );
         }
     }
 }
