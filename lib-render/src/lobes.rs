@@ -8,12 +8,39 @@ use crate::bsdf::gltf::GltfValues;
 use crate::bsdf::layer::make_layered_bsdf;
 use crate::bsdf::models::Site;
 use crate::bsdf::sheen::{SheenValues, make_sheen};
+use crate::components::Components;
 use crate::core::thin_film::Film;
 use crate::geometry::SurfaceElement;
 use crate::material::{is_smooth, textured};
 use crate::normal_map::{NormalMap, mapped_normal};
-use crate::schema::{Materials, SMOOTH_ALPHA};
+use crate::schema::{Materials, Models, SMOOTH_ALPHA};
 use crate::texture::look_up;
+
+/// What glTF's extensions add to its material, in the order of their rows in [`Models`], after those of the models.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Lobe {
+    /// KHR_materials_clearcoat.
+    Coat,
+    /// KHR_materials_sheen.
+    Sheen,
+    /// KHR_materials_anisotropy.
+    Anisotropy,
+    /// KHR_materials_diffuse_transmission.
+    DiffuseTransmission,
+    /// KHR_materials_iridescence.
+    Film,
+}
+
+impl Lobe {
+    /// All of them.
+    pub const ALL: [Lobe; 5] = [Lobe::Coat, Lobe::Sheen, Lobe::Anisotropy, Lobe::DiffuseTransmission, Lobe::Film];
+
+    /// Has any material of the scene this lobe?
+    fn is_used(self) -> Bool {
+        let number = Components::current().models().len() + self as usize;
+        Row::<Models>::at(number as u32).get(Models::USED)
+    }
+}
 
 /// The normal map of the coat.
 const COAT_NORMALS: NormalMap =
@@ -23,10 +50,14 @@ const COAT_NORMALS: NormalMap =
 pub fn make_layers(b: &mut Block, site: Site, values: GltfValues, base: Bsdf) -> Bsdf {
     // About the albedo of what is there already.
     let under = values.is_nothing().select(F32::from(0.0), values.base.max_channel().max(0.04));
-    let sheen = sheen_values(b, site, under);
+    let sheen = b.if_(Lobe::Sheen.is_used(), |b| sheen_values(b, site, under), |_| SheenValues::none());
     let base = make_layered_bsdf(site.surf, make_sheen(site.surf, 0, sheen), base);
     let under = sheen.present.select(under.max(sheen.color.max_channel()), under);
-    let coat = coat_values(b, site.row, site.plain, values.is_solid(), under);
+    let coat = b.if_(
+        Lobe::Coat.is_used(),
+        |b| coat_values(b, site.row, site.plain, values.is_solid(), under),
+        |_| CoatValues::none(site.surf.local.normal),
+    );
     make_layered_bsdf(site.surf, make_coat(site.surf, 1, coat), base)
 }
 
@@ -77,9 +108,12 @@ fn coat_values(b: &mut Block, row: Row<Materials>, plain: SurfaceElement, solid:
 
 /// `values` with the lobes that the material adds to them.
 pub fn with_lobes(b: &mut Block, site: Site, values: GltfValues) -> GltfValues {
-    let values = with_anisotropy(b, site, values);
-    let values = with_diffuse_transmission(b, site, values);
-    with_film(b, site, values)
+    let mut with = |values, lobe: Lobe, added: fn(&mut Block, Site, GltfValues) -> GltfValues| {
+        b.if_(lobe.is_used(), |b| added(b, site, values), |_| values)
+    };
+    let values = with(values, Lobe::Anisotropy, with_anisotropy);
+    let values = with(values, Lobe::DiffuseTransmission, with_diffuse_transmission);
+    with(values, Lobe::Film, with_film)
 }
 
 /// KHR_materials_anisotropy: α grows to 1 along the direction, with the square of the strength.

@@ -46,6 +46,14 @@ pub struct CoatValues {
 }
 impl_staged!(CoatValues { present, smooth, tilted, solid, strength, alpha, normal, under });
 
+impl CoatValues {
+    /// No coat, over this shading normal.
+    pub fn none(normal: Vec3) -> CoatValues {
+        let (no, zero) = (Bool::from(false), F32::from(0.0));
+        CoatValues { present: no, smooth: no, tilted: no, solid: no, strength: zero, alpha: zero, normal, under: zero }
+    }
+}
+
 /// The coat of a surface.
 pub fn make_coat(surf: SurfaceElement, number: u32, values: CoatValues) -> Layer {
     let seen = move |wo: Vec3| View::new(surf, values, wo);

@@ -19,7 +19,7 @@ pub mod thin_glass;
 pub mod models;
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Bool, F32, Fun};
+use jerboa_ir::lang::{Bool, F32, Fun, Staged, known};
 
 use crate::core::color::{Color, black};
 use crate::core::rng::Rng;
@@ -88,6 +88,17 @@ impl Bsdf {
             pdf: PdfFn::lam(|_, _| F32::from(0.0)),
             sample,
             is_specular: true.into(),
+        }
+    }
+
+    /// The same, whose functions stay functions but where the evaluator knows `what` decides what is left of them: a kernel that
+    /// must be ready for every model asks each of them more than once, and would have all of it as often.
+    pub fn whole_unless_known<T: Staged>(self, what: T) -> Bsdf {
+        Bsdf {
+            eval: EvalFn::rec("eval", |_| known(what), |b, _, w| self.eval.call(b, w)),
+            pdf: PdfFn::rec("pdf", |_| known(what), |b, _, w| self.pdf.call(b, w)),
+            sample: SampleFn::rec("sample", |_| known(what), |b, _, w| self.sample.call(b, w)),
+            is_specular: self.is_specular,
         }
     }
 

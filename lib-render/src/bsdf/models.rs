@@ -42,7 +42,8 @@ const GLTF: Model = Model {
     make: |b, site| {
         let values = gltf_values(b, site.row, site.base, site.surf.uv);
         let values = with_lobes(b, site, values);
-        make_layers(b, site, values, make_gltf_bsdf(site.surf, values))
+        let layers = (site.row.get(Materials::HAS_SHEEN), site.row.get(Materials::HAS_COAT));
+        make_layers(b, site, values, make_gltf_bsdf(site.surf, values).whole_unless_known(layers))
     },
 };
 
@@ -138,7 +139,8 @@ pub fn make_bsdf(
     let alone = AloneFn::lam(|b, (row, base)| {
         let site = site(row, base, None);
         let (_, gltf) = make(b, (&GLTF, 0), site);
-        all().skip(1).filter(|(m, _)| !m.has_parts).map(|model| make(b, model, site)).fold(gltf, choose)
+        let all = all().skip(1).filter(|(m, _)| !m.has_parts).map(|model| make(b, model, site)).fold(gltf, choose);
+        all.whole_unless_known(row.get(Materials::MODEL))
     });
     let own = alone.call(b, (row, base));
     all().filter(|(m, _)| m.has_parts).map(|model| make(b, model, site(row, base, Some(alone)))).fold(own, choose)

@@ -48,6 +48,13 @@ pub struct SheenValues {
 }
 impl_staged!(SheenValues { present, color, roughness, under });
 
+impl SheenValues {
+    /// No sheen.
+    pub fn none() -> SheenValues {
+        SheenValues { present: false.into(), color: black(), roughness: 0.0.into(), under: 0.0.into() }
+    }
+}
+
 /// The sheen of a surface.
 pub fn make_sheen(surf: SurfaceElement, number: u32, values: SheenValues) -> Layer {
     let values = SheenValues { roughness: values.roughness.max(LEAST_ROUGHNESS), ..values };

@@ -215,9 +215,10 @@ table! {
 }
 
 table! {
-    /// The list of models, one row each.
+    /// The list of models, then of the lobes that extensions add to glTF's (`lobes::Lobe`), one row each. It is known at every
+    /// level of knowledge: a renderer is put together from what the scene names.
     pub classed Models {
-        /// Has any material of the scene this model?
+        /// Has any material of the scene this model, or this lobe?
         USED: Bool, structure;
     }
 }

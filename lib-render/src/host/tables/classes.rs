@@ -9,12 +9,12 @@ use jerboa_peval::{ColumnFacts, Facts, TableFacts, Target};
 
 use super::memory::Memory;
 use crate::host::device::MOST_CLASSES;
-use crate::schema::{BUFFERS, Geometries, binding};
+use crate::schema::{BUFFERS, Geometries, Models, binding};
 
 /// What a specialisation knows of the scene.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
 pub enum Known {
-    /// Nothing: a renderer for every scene, which dispatches at run time.
+    /// Nothing but which components it names: a renderer for every scene of them, which dispatches at run time.
     Nothing,
     /// Kinds, flags and presences: a changed number needs no compilation.
     #[default]
@@ -39,7 +39,7 @@ impl Known {
 /// that it does not touch.
 pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Facts {
     if known == Known::Nothing {
-        return Facts::none();
+        return components(memory);
     }
     let mut classes = partitions(memory, known);
     // So many kernels differ in numbers only; what they would gain by them is not worth the time to make them.
@@ -58,6 +58,16 @@ pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Fac
         }
     }
     Facts { tables: BUFFERS.iter().enumerate().map(|(b, s)| facts(b, s, memory, &classes, known)).collect() }
+}
+
+/// What is known where nothing is: which components the scene names.
+fn components(memory: &[Arc<Memory>]) -> Facts {
+    let models = binding::<Models>();
+    let mut classes = vec![Vec::new(); BUFFERS.len()];
+    classes[models] = partition(models, &BUFFERS[models], memory, &classes, Known::Structure);
+    let mut tables = vec![TableFacts::default(); BUFFERS.len()];
+    tables[models] = facts(models, &BUFFERS[models], memory, &classes, Known::Structure);
+    Facts { tables }
 }
 
 /// The class of each row of each table, numbered by first occurrence.

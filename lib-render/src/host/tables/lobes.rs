@@ -4,24 +4,35 @@ use jerboa_scenes::{Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Mat
 
 use super::materials::{Row, smoothness};
 use super::textures::{Encoding, Textures};
+use crate::lobes::Lobe;
 use crate::schema::{Materials as M, SMOOTH_NEVER};
+
+/// Has the material this lobe? A texture only takes away from a factor.
+pub(super) fn has(m: &Material, lobe: Lobe) -> bool {
+    match lobe {
+        Lobe::Coat => m.clearcoat.as_ref().is_some_and(|coat| coat.factor > 0.0),
+        Lobe::Sheen => m.sheen.as_ref().is_some_and(|sheen| sheen.color.iter().any(|c| *c > 0.0)),
+        Lobe::Anisotropy => m.anisotropy.as_ref().is_some_and(|lobe| lobe.strength > 0.0),
+        Lobe::DiffuseTransmission => m.diffuse_transmission.as_ref().is_some_and(|lobe| lobe.factor > 0.0),
+        Lobe::Film => m.iridescence.as_ref().is_some_and(|film| film.factor > 0.0),
+    }
+}
 
 /// Fills the columns of the lobes that the material has; those of the others are 0.
 pub(super) fn extensions(row: &mut Row, m: &Material, textures: &mut Textures) {
-    // A texture only takes away from a factor.
-    if let Some(lobe) = m.anisotropy.as_ref().filter(|lobe| lobe.strength > 0.0) {
+    if let Some(lobe) = m.anisotropy.as_ref().filter(|_| has(m, Lobe::Anisotropy)) {
         anisotropy(row, lobe, textures);
     }
-    if let Some(lobe) = m.diffuse_transmission.as_ref().filter(|lobe| lobe.factor > 0.0) {
+    if let Some(lobe) = m.diffuse_transmission.as_ref().filter(|_| has(m, Lobe::DiffuseTransmission)) {
         diffuse_transmission(row, lobe, textures);
     }
-    if let Some(film) = m.iridescence.as_ref().filter(|film| film.factor > 0.0) {
+    if let Some(film) = m.iridescence.as_ref().filter(|_| has(m, Lobe::Film)) {
         iridescence(row, film, textures);
     }
-    if let Some(layer) = m.sheen.as_ref().filter(|layer| layer.color.iter().any(|c| *c > 0.0)) {
+    if let Some(layer) = m.sheen.as_ref().filter(|_| has(m, Lobe::Sheen)) {
         sheen(row, layer, textures);
     }
-    if let Some(coat) = m.clearcoat.as_ref().filter(|coat| coat.factor > 0.0) {
+    if let Some(coat) = m.clearcoat.as_ref().filter(|_| has(m, Lobe::Coat)) {
         clearcoat(row, coat, textures);
     }
 }

@@ -6,6 +6,7 @@ use super::memory::{Memory, Table};
 use crate::bsdf::models::Model;
 use crate::components::{Components, Parameter};
 use crate::host::error::Error;
+use crate::lobes::Lobe;
 use crate::schema::{Models, Parameters};
 
 /// The model of a material, glTF's where it names none, and the numbers that it takes.
@@ -176,6 +177,8 @@ impl Numbers {
 pub fn list(scene: &Scene, models: &[Model]) -> Memory {
     let used: Vec<u32> = scene.materials.iter().map(|m| resolve(m, models).map_or(0, |(number, _)| number)).collect();
     let mut table = Table::<Models>::new();
+    let has = |lobe| scene.materials.iter().any(|m| super::lobes::has(m, lobe));
     (0..models.len() as u32).for_each(|number| _ = table.push().set(Models::USED, used.contains(&number)));
+    Lobe::ALL.into_iter().for_each(|lobe| _ = table.push().set(Models::USED, has(lobe)));
     table.finish()
 }
