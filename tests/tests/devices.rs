@@ -61,10 +61,11 @@ fn is_of_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_' || c == '.'
 }
 
-/// A value (`y12`), or a name that is there more than once (`x_2`): where a function captures one, nothing declares it.
+/// A value (`y12`, or `g12` of the whole program), or a name that is there more than once (`x_2`): where a function captures
+/// one, nothing declares it.
 fn is_numbered(word: &str) -> bool {
     let is_number = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
-    let value = word.strip_prefix('y').is_some_and(is_number);
+    let value = word.strip_prefix(['y', 'g']).is_some_and(is_number);
     value || word.rsplit_once('_').is_some_and(|(name, n)| is_number(n) && !name.contains('.'))
 }
 

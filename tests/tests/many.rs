@@ -10,6 +10,7 @@ use jerboa_lib_render::host::device::{DeviceKind, MOST_CLASSES};
 use jerboa_lib_render::host::film::Window;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residual};
 use jerboa_lib_render::host::renderer::{Options, Renderer};
+use jerboa_lib_render::host::tables::light_tree::TREE_FROM;
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables};
 use jerboa_scenes::{Model, Scene};
 use jerboa_tests::harness::bench::number;
@@ -33,12 +34,17 @@ fn nodes(kernels: &[(String, u128, usize)]) -> usize {
 #[test]
 fn rows_of_one_structure_cost_nothing() {
     let many = number("JERBOA_MANY", 4096);
-    // One light is a structure of its own: nothing has to choose it.
-    let kinds = [("materials", materials as fn(usize) -> Scene, 1), ("lights", lights, 2), ("textures", textures, 1)];
-    for (what, build, few) in kinds {
-        let of_few = residuals(&build(few), Known::Structure);
-        for n in [few + 1, 65, many] {
-            assert!(residuals(&build(n), Known::Structure) == of_few, "{n} {what} are not as {few}");
+    // One light is a structure of its own, since nothing has to choose it, and so are those that have a tree.
+    let kinds: [(&str, fn(usize) -> Scene, &[usize]); 4] = [
+        ("materials", materials, &[1, 2, 65, many]),
+        ("lights", lights, &[2, 3, TREE_FROM - 1]),
+        ("lights with a tree", lights, &[TREE_FROM, 65, many]),
+        ("textures", textures, &[1, 2, 65, many]),
+    ];
+    for (what, build, counts) in kinds {
+        let of_few = residuals(&build(counts[0]), Known::Structure);
+        for n in &counts[1..] {
+            assert!(residuals(&build(*n), Known::Structure) == of_few, "{n} {what} are not as {}", counts[0]);
         }
     }
 }

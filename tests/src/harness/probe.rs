@@ -7,6 +7,7 @@ use jerboa_lib_render::core::color::{Color, white};
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::{Vec2, Vec3};
 use jerboa_lib_render::geometry::{Frame3, SurfaceElement};
+use jerboa_lib_render::lobes::Lobe;
 use jerboa_lib_render::material::Material;
 use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::*;
@@ -124,6 +125,7 @@ impl Probe {
     /// White, index 1.5, no lobe on; the normals as they were made.
     fn reset(&mut self) -> &mut Probe {
         self.bench.rows::<Materials>(1);
+        self.bench.rows::<Models>(MODELS.len() + Lobe::ALL.len());
         for column in [Materials::BASE_R, Materials::BASE_G, Materials::BASE_B] {
             self.number(column, 1.0);
         }
@@ -198,7 +200,6 @@ impl Probe {
     pub fn model(&mut self, name: &str, numbers: &[f32]) -> &mut Probe {
         let place = MODELS.iter().position(|model| model.name == name).expect("it is in the list");
         self.reset();
-        self.bench.rows::<Models>(MODELS.len());
         self.bench.set(Models::USED, place, true);
         self.bench.set(Materials::MODEL, 0, place as u32);
         self.bench.rows::<Parameters>(numbers.len().max(1));
@@ -211,31 +212,38 @@ impl Probe {
         self.model("phong", &[1.0, 1.0, 1.0, ns]).coloured()
     }
 
+    /// A lobe of the material, which a scene then has.
+    fn lobe(&mut self, lobe: Lobe, flag: jerboa_ir::lang::Col<Materials, jerboa_ir::lang::Bool>) -> &mut Probe {
+        self.bench.set(Models::USED, MODELS.len() + lobe as usize, true);
+        self.flag(flag, true)
+    }
+
     /// A white sheen over what is there.
     pub fn sheen(&mut self, roughness: f32) -> &mut Probe {
         for column in [Materials::SHEEN_R, Materials::SHEEN_G, Materials::SHEEN_B] {
             self.number(column, 1.0);
         }
-        self.flag(Materials::HAS_SHEEN, true).number(Materials::SHEEN_ROUGHNESS, roughness)
+        self.lobe(Lobe::Sheen, Materials::HAS_SHEEN).number(Materials::SHEEN_ROUGHNESS, roughness)
     }
 
     /// What is there, rougher along x.
     pub fn anisotropy(&mut self, strength: f32) -> &mut Probe {
         self.bench.set(Materials::SMOOTH, 0, SMOOTH_NEVER);
-        self.flag(Materials::HAS_ANISOTROPY, true).number(Materials::ANISOTROPY, strength);
+        self.lobe(Lobe::Anisotropy, Materials::HAS_ANISOTROPY).number(Materials::ANISOTROPY, strength);
         self.number(Materials::ANISOTROPY_X, 1.0)
     }
 
     /// A share of the diffuse light comes through, 0.3, 0.5, 0.7 of it.
     pub fn diffuse_transmission(&mut self, share: f32) -> &mut Probe {
-        self.flag(Materials::HAS_DIFFUSE_TRANSMISSION, true).number(Materials::DIFFUSE_TRANSMISSION, share);
+        self.lobe(Lobe::DiffuseTransmission, Materials::HAS_DIFFUSE_TRANSMISSION)
+            .number(Materials::DIFFUSE_TRANSMISSION, share);
         self.number(Materials::DIFFUSE_TRANSMISSION_R, 0.3).number(Materials::DIFFUSE_TRANSMISSION_G, 0.5);
         self.number(Materials::DIFFUSE_TRANSMISSION_B, 0.7)
     }
 
     /// A film of this thickness on what is there.
     pub fn film(&mut self, share: f32, nanometres: f32) -> &mut Probe {
-        self.flag(Materials::HAS_FILM, true).number(Materials::FILM, share).number(Materials::FILM_IOR, 1.3);
+        self.lobe(Lobe::Film, Materials::HAS_FILM).number(Materials::FILM, share).number(Materials::FILM_IOR, 1.3);
         self.number(Materials::FILM_THICKEST, nanometres)
     }
 
@@ -243,7 +251,7 @@ impl Probe {
     pub fn coat(&mut self, strength: f32, roughness: f32) -> &mut Probe {
         let smooth = if roughness * roughness < SMOOTH_ALPHA { SMOOTH_ALWAYS } else { SMOOTH_NEVER };
         self.bench.set(Materials::COAT_SMOOTH, 0, smooth);
-        self.flag(Materials::HAS_COAT, true)
+        self.lobe(Lobe::Coat, Materials::HAS_COAT)
             .number(Materials::COAT, strength)
             .number(Materials::COAT_ROUGHNESS, roughness)
     }

@@ -193,8 +193,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "half-a-pixel-off",
         file: "lib-render/src/camera.rs",
-        before: "i.to_f32() + a",
-        after: "i.to_f32() + a + 0.5",
+        before: "i.to_f32() + x",
+        after: "i.to_f32() + x + 0.5",
         mistake: "pixel centres where their corners are",
     },
     // ---- paths and random numbers
