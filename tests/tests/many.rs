@@ -31,11 +31,14 @@ fn nodes(kernels: &[(String, u128, usize)]) -> usize {
     kernels.iter().map(|(_, _, nodes)| nodes).sum()
 }
 
+/// Makes a scene with so many of something.
+type Build = fn(usize) -> Scene;
+
 #[test]
 fn rows_of_one_structure_cost_nothing() {
     let many = number("JERBOA_MANY", 4096);
     // One light is a structure of its own, since nothing has to choose it, and so are those that have a tree.
-    let kinds: [(&str, fn(usize) -> Scene, &[usize]); 4] = [
+    let kinds: [(&str, Build, &[usize]); 4] = [
         ("materials", materials, &[1, 2, 65, many]),
         ("lights", lights, &[2, 3, TREE_FROM - 1]),
         ("lights with a tree", lights, &[TREE_FROM, 65, many]),

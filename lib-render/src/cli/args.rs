@@ -295,7 +295,7 @@ pub struct RenderArgs {
     /// Sample lamps by solid angle in place of area: less noise where they are near and large, at up to 1.2 times the time
     #[arg(long)]
     pub solid_angle: bool,
-    /// Light the scene by this .hdr or .exr environment map, or by sky:ELEVATION[,AZIMUTH[,TURBIDITY]], sun included
+    /// Light the scene by this .hdr or .exr environment map, or by `sky:ELEVATION[,AZIMUTH[,TURBIDITY]]`, sun included
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,
     /// Turn the environment about the vertical axis, in degrees
