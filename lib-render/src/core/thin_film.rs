@@ -25,7 +25,7 @@ impl_staged!(Film { ior, thickness });
 /// Source: Belcour & Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence", with
 /// the approximations and constants of KHR_materials_iridescence: Schlick's factor at both interfaces, the sum over
 /// reflections cut off after the second, Gaussians for the eye's sensitivities. What the cut makes larger than 1 or
-/// negative (up to a fifth, and as much below, at strong bases) is clipped.
+/// negative is clipped; by how much at most has not been measured.
 pub fn fresnel_film(cos: F32, film: Film, f0: Color) -> Color {
     // A film of no thickness is air.
     let t = (film.thickness * (1.0 / 0.03)).min(1.0);

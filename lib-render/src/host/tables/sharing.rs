@@ -15,8 +15,8 @@ use super::placing::Placing;
 use crate::host::bvh::{Bounds, Instanced, MeshTree, Placement, Triangle};
 
 /// Most triangles that a mesh's copies, all its instances but one, may have in the world before they share. One in the
-/// world takes 310 bytes of a render's peak (tests/runs/instances.txt), so this is 80 MB; and shared triangles are slower to
-/// trace.
+/// world takes 310 bytes of a render's peak (tests/runs/instances.txt), so this is 80 MB. What
+/// sharing costs in time has not been measured.
 pub const MOST_COPIES: u32 = 1 << 18;
 
 /// How each instance shares, in their order; none where it does not.
