@@ -76,14 +76,21 @@ impl TracerKind {
     ];
 
     /// Those of [`generic`] and [`gpu_generic`], in the order of the entries.
-    pub const COMMON: [TracerKind; 4] = [TracerKind::Path, TracerKind::Normals, TracerKind::Albedo, TracerKind::Depth];
+    pub const COMMON: [TracerKind; 1] = [TracerKind::Path];
 
     /// Those whose light falls on any pixel of the film, not on that of the path alone. They have the device
     /// [`DeviceKind::CpuScalar`] only.
     pub const SPLATTING: [TracerKind; 2] = [TracerKind::Light, TracerKind::Bidirectional];
 
     /// The others.
-    const RARE: [TracerKind; 3] = [TracerKind::Occlusion, TracerKind::AovNormal, TracerKind::AovPlace];
+    const RARE: [TracerKind; 6] = [
+        TracerKind::Normals,
+        TracerKind::Albedo,
+        TracerKind::Depth,
+        TracerKind::Occlusion,
+        TracerKind::AovNormal,
+        TracerKind::AovPlace,
+    ];
 
     /// Does its light fall on any pixel?
     pub fn is_splatting(self) -> bool {
