@@ -27,12 +27,11 @@ use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
 use crate::bsdf::BsdfSample;
 use crate::camera::CameraFn;
 use crate::core::color::{Color, black};
-use crate::core::rng::{DIM_BSDF, DIM_LIGHT, DIM_ROULETTE, Rng};
+use crate::core::rng::{DIM_BSDF, DIM_LIGHT, Rng};
 use crate::core::sampling::{UNIFORM_SPHERE_PDF, cosine_hemisphere_pdf, uniform_cone_pdf};
 use crate::core::vec::{Vec3, vec3};
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{offset_origin, spawn_ray, spawn_shadow_ray};
-use crate::light::environment::seen_environment;
 use crate::light::{DirectLightSample, area_pdf, choose_light, with_light};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
@@ -40,7 +39,9 @@ use crate::schema::*;
 use crate::tracer::adjoint::{carried, scattered};
 use crate::tracer::lens::{Lens, Splat};
 use crate::tracer::light::{Emitted, emit, go_on};
-use crate::tracer::path::{absorption_along, arriving, has_lights, settings, survival, within_depth};
+use crate::tracer::path::{
+    absorption_along, arriving, asks_for_light, direct, emitted, scatter, settings, sky, within_depth,
+};
 use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, PathState, RayState, Tracer, first_ray};
 
 /// What both paths carry.
@@ -71,6 +72,12 @@ struct Sums {
 }
 
 impl Walk {
+    /// Weight of light that its ray finds by chance, given all other ways over this one. Nothing else finds what the camera
+    /// sees.
+    fn by_chance(self, others: F32) -> F32 {
+        self.path.vertex.eq(1).select(F32::from(1.0), 1.0 / (1.0 + others))
+    }
+
     /// The sums where its ray hits.
     fn reaching(self, ray: Ray, hit: Hit, surf: SurfaceElement) -> Sums {
         let cos = surf.face_cos(ray.dir).abs();
@@ -117,36 +124,36 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
             let d_next = 1.0 / Lens::of_frame().density(ray.dir);
             (ray, Walk { path, d_next, d_past: 0.0.into(), is_parallel: false.into() })
         }),
-        on_hit: OnHitFn::lam(|b, (ray, hit, walk, surf, mat)| emitted(b, ray, hit, walk, surf, mat)),
-        on_miss: OnMissFn::lam(|b, (ray, walk)| sky(b, ray, walk)),
+        on_hit: OnHitFn::lam(|b, (ray, hit, walk, surf, mat)| {
+            emitted(b, (ray, hit, walk.path), mat, |_, value| {
+                let others = walk.reaching(ray, hit, surf).others(value.pdf_area, value.pdf_dir);
+                walk.by_chance(others)
+            })
+        }),
+        on_miss: OnMissFn::lam(|b, (ray, walk)| {
+            sky(b, ray, walk.path, |direct| {
+                let last = Row::<Lights>::at(settings().get(Settings::LIGHT_COUNT).max(1u32) - 1u32);
+                let sums = Sums { next: walk.d_next, past: walk.d_past };
+                let others = direct.gt(0.0).select(sums.others(direct, 1.0 / disk_area(last)), 0.0.into());
+                walk.by_chance(others)
+            })
+        }),
         on_shadow: OnShadowFn::exits(|b, (ray, hit, walk, surf, mat, emit, skip)| {
             let Walk { path, .. } = walk;
-            b.when(!(has_lights() & within_depth(path) & !mat.is_unlit & !mat.bsdf.is_specular), |b| skip.take(b, ()));
+            b.when(!asks_for_light(path, mat), |b| skip.take(b, ()));
             let (index, light) = draw_light(b, path.rng.vertex(path.vertex, DIM_LIGHT), surf.point);
-            let light_from = LightFrom::new(index, light);
-            let contribution = direct(b, (ray, hit, walk), surf, mat, light, light_from);
+            let from = LightFrom::new(index, light);
+            let contribution = direct(b, (ray, hit, path), mat, light, |b, by_bsdf| {
+                let back = mat.bsdf.pdf.call(b, (-ray.dir, light.wi));
+                let by_chance = light.is_delta.select(F32::from(0.0), by_bsdf / from.direct);
+                let density = from.emission * surf.face_cos(light.wi).abs();
+                1.0 / (1.0 + by_chance + walk.reaching(ray, hit, surf).others(density, back))
+            });
             b.when(contribution.is_black(), |b| skip.take(b, ()));
             emit.take(b, (spawn_shadow_ray(surf, light), contribution))
         }),
         on_bounce: OnBounceFn::exits(|b, (ray, hit, walk, surf, mat, next, end)| {
-            let Walk { path, .. } = walk;
-            b.when(!within_depth(path) | mat.is_unlit, |b| end.take(b, ()));
-            let sample = mat.bsdf.sample.call(b, (path.rng.vertex(path.vertex, DIM_BSDF), -ray.dir));
-            let throughput = arriving(b, path, hit).absorb(sample.weight);
-            b.when(throughput.is_black(), |b| end.take(b, ()));
-            let radiance_scale = path.radiance_scale * sample.radiance_scale;
-            let survival = survival(b, path.vertex, throughput / radiance_scale);
-            let (u, _) = path.rng.vertex(path.vertex, DIM_ROULETTE).next();
-            b.when(u.ge(survival), |b| end.take(b, ()));
-            let path = RayState {
-                vertex: path.vertex + 1u32,
-                throughput: throughput / survival,
-                radiance_scale,
-                pdf_dir: sample.pdf_dir,
-                is_specular: sample.is_specular,
-                absorption: absorption_along(path, surf, mat, -ray.dir, sample.wi),
-                ..path
-            };
+            let (sample, path) = scatter(b, (ray, hit, walk.path), surf, mat, end);
             let sums = walk.reaching(ray, hit, surf);
             let walk = walk.leaving(b, sums, (surf, mat), -ray.dir, sample, path);
             next.take(b, (spawn_ray(surf, sample.wi), walk))
@@ -265,60 +272,6 @@ impl LightFrom {
             emission: is_parallel(row).select(1.0 / disk_area(row), dir / squared),
         }
     }
-}
-
-/// What the surface itself adds, weighted: its emission, or the base colour of an unlit one.
-fn emitted(b: &mut Block, ray: Ray, hit: Hit, walk: Walk, surf: SurfaceElement, mat: Material) -> Color {
-    let Walk { path, .. } = walk;
-    let unlit = |b: &mut Block| arriving(b, path, hit).absorb(mat.base);
-    let lit = |b: &mut Block| {
-        let emission = |b: &mut Block| {
-            let value = mat.emission.call(b, -ray.dir);
-            let others = walk.reaching(ray, hit, surf).others(value.pdf_area, value.pdf_dir);
-            let weight = path.vertex.eq(1).select(F32::from(1.0), 1.0 / (1.0 + others));
-            arriving(b, path, hit).absorb(value.intensity) * weight
-        };
-        b.if_(mat.is_emissive, emission, |_| black())
-    };
-    b.if_(mat.is_unlit, unlit, lit)
-}
-
-/// What the environment adds to a ray that hits nothing, weighted.
-fn sky(b: &mut Block, ray: Ray, walk: Walk) -> Color {
-    let Walk { path, d_next, d_past, .. } = walk;
-    let radiance = |_: &mut Block| {
-        let (radiance, direct) = seen_environment(ray.dir);
-        let last = Row::<Lights>::at(settings().get(Settings::LIGHT_COUNT).max(1u32) - 1u32);
-        let sums = Sums { next: d_next, past: d_past };
-        let others = direct.gt(0.0).select(sums.others(direct, 1.0 / disk_area(last)), 0.0.into());
-        let weight = path.vertex.eq(1).select(F32::from(1.0), 1.0 / (1.0 + others));
-        path.throughput.absorb(radiance) * weight
-    };
-    b.if_(settings().get(Settings::HAS_ENVIRONMENT), radiance, |_| black())
-}
-
-/// What a light sample adds if nothing is in between, weighted.
-fn direct(
-    b: &mut Block,
-    (ray, hit, walk): (Ray, Hit, Walk),
-    surf: SurfaceElement,
-    mat: Material,
-    light: DirectLightSample,
-    from: LightFrom,
-) -> Color {
-    let (path, wo, wi) = (walk.path, -ray.dir, light.wi);
-    b.if_(
-        light.intensity.is_black() | light.pdf_dir.eq(0.0),
-        |_| black(),
-        |b| {
-            let f_cos = mat.bsdf.eval.call(b, (wi, wo)) * mat.normal.dot(wi).abs();
-            let (by_bsdf, back) = (mat.bsdf.pdf.call(b, (wi, wo)), mat.bsdf.pdf.call(b, (wo, wi)));
-            let by_chance = light.is_delta.select(F32::from(0.0), by_bsdf / from.direct);
-            let others = walk.reaching(ray, hit, surf).others(from.emission * surf.face_cos(wi).abs(), back);
-            let weight = 1.0 / (1.0 + by_chance + others);
-            arriving(b, path, hit).absorb(f_cos).absorb(light.intensity) * (weight / light.pdf_dir)
-        },
-    )
 }
 
 /// A vertex of a path from a light, to be connected with: a row of [`LightVertices`].
