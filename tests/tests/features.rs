@@ -42,7 +42,11 @@ const FEATURES: &[Feature] = &[
         used: |s| any(s, |m| m.specular > 0.0 || transmits(m) || m.model.is_some()),
         words: &["Materials.IOR"],
     },
-    Feature { name: "volumes", used: |s| any(s, |m| m.volume.is_some()), words: &["Materials.ABSORPTION_R"] },
+    Feature {
+        name: "volumes",
+        used: |s| any(s, |m| m.volume.is_some()),
+        words: &["Materials.ABSORPTION_R", "Frame.ABSORPTION_R"],
+    },
     Feature { name: "clear coats", used: |s| any(s, |m| m.clearcoat.is_some()), words: &["Materials.COAT"] },
     Feature { name: "sheen", used: |s| any(s, |m| m.sheen.is_some()), words: &["Materials.SHEEN_R"] },
     Feature { name: "anisotropy", used: |s| any(s, |m| m.anisotropy.is_some()), words: &["Materials.ANISOTROPY"] },
@@ -105,6 +109,26 @@ fn what_a_scene_does_not_use_is_in_none_of_its_residuals() {
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
     assert!(idle.is_empty(), "words that no residual has: {idle:?}");
+}
+
+/// Shadow rays have a kernel only where a vertex may ask for light; a renderer that knows nothing must always have it.
+#[test]
+fn without_lights_no_kernel_traces_shadow_rays() {
+    let mut dark = 0;
+    for name in builtin::list().iter().map(|b| b.name) {
+        let scene = Scene::load(format!("builtin:{name}")).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let has = |known: Known, tracer: TracerKind| {
+            let tables = Tables::new(&scene, &Choices::default(), known);
+            [DeviceKind::Cpu, DeviceKind::GpuWavefront]
+                .map(|device| device.requests(&tables, tracer).iter().any(|r| r.name.ends_with("shadow")))
+        };
+        dark += u32::from(!is_lit(&scene));
+        assert_eq!(has(Known::Structure, TracerKind::Path), [is_lit(&scene); 2], "{name}");
+        assert_eq!(has(Known::Nothing, TracerKind::Path), [true; 2], "{name}");
+        assert_eq!(has(Known::Structure, TracerKind::Depth), [false; 2], "{name}");
+        assert_eq!(has(Known::Structure, TracerKind::Occlusion), [true; 2], "{name}");
+    }
+    assert!(dark > 0, "every scene is lit");
 }
 
 /// The residuals of a scene whose structure is known: name of the kernel, and text without the declarations of buffers.

@@ -1,13 +1,14 @@
 //! Which kernels a device has, and what is known of their parameters.
 
-use jerboa_peval::Arg;
+use jerboa_ir::Lit;
+use jerboa_peval::{Arg, ColumnFacts};
 
 use super::generate::{Request, TracerKind};
 use super::gpu::wavefront;
 use super::tables::Tables;
 use crate::device::stream::kernel_name;
 use crate::device::wavefront::entry_name;
-use crate::schema::{Geometries, binding};
+use crate::schema::{Geometries, Settings, binding};
 
 /// Where paths are traced. The image is the same.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -53,8 +54,10 @@ impl DeviceKind {
 
     /// The kernels that show what a tracer shows, in an order that the host half of the device goes by:
     /// * [`DeviceKind::Cpu`]: `generate`, `trace`, `miss`, `shadow`, then a `shade` for each class,
-    /// * [`DeviceKind::GpuWavefront`]: those of [`wavefront::STAGES`], then a `shade` for each class,
+    /// * [`DeviceKind::GpuWavefront`]: those of [`wavefront::STAGES`], then a `shade` for each class, then `shadow`,
     /// * the others: one.
+    ///
+    /// There is no `shadow` where it is known that no vertex asks for light.
     ///
     /// A tracer that this device cannot run has none, and on [`DeviceKind::Cpu`] the one of [`TracerKind::device`].
     ///
@@ -75,7 +78,8 @@ impl DeviceKind {
         match self {
             DeviceKind::Cpu => {
                 let mut requests = vec![entry(of_tracer("generate"), 4), entry("trace".into(), 2)];
-                requests.extend([entry(of_tracer("miss"), 2), entry("shadow".into(), 2)]);
+                requests.push(entry(of_tracer("miss"), 2));
+                requests.extend(may_ask(tracer, tables).then(|| entry("shadow".into(), 2)));
                 requests.extend(shaders(entry(of_tracer("shade"), 3), 0, tables));
                 requests
             }
@@ -85,9 +89,25 @@ impl DeviceKind {
                 let named = |stage: &str, traced| if traced { of_tracer(stage) } else { stage.into() };
                 let stages = wavefront::STAGES.iter();
                 let stages = stages.map(|(stage, traced, params)| entry(entry_name(&named(stage, *traced)), *params));
-                stages.chain(shaders(entry(entry_name(&of_tracer("shade")), 3), 1, tables)).collect()
+                let shade = shaders(entry(entry_name(&of_tracer("shade")), 3), 1, tables);
+                let shadow = may_ask(tracer, tables).then(|| entry(entry_name("shadow"), 1));
+                stages.chain(shade).chain(shadow).collect()
             }
         }
+    }
+}
+
+/// May a vertex ask for light?
+fn may_ask(tracer: TracerKind, tables: &Tables) -> bool {
+    match tracer {
+        TracerKind::Path => {
+            let settings = tables.facts.tables.get(binding::<Settings>());
+            let has_lights = settings.and_then(|t| t.columns.get(Settings::HAS_LIGHTS.0 as usize));
+            has_lights != Some(&ColumnFacts::Known(vec![Lit::Bool(false)]))
+        }
+        TracerKind::Normals | TracerKind::Albedo | TracerKind::Depth => false,
+        TracerKind::AovNormal | TracerKind::AovPlace => false,
+        TracerKind::Light | TracerKind::Bidirectional | TracerKind::Occlusion | TracerKind::Own(_) => true,
     }
 }
 

@@ -27,6 +27,10 @@ pub struct Wave {
     kernels: Vec<Arc<Generated>>,
     /// What each kernel reads.
     needs: Vec<Needs>,
+    /// The kernel that traces shadow rays, if there are any.
+    shadow: Option<usize>,
+    /// The first class of shaders; the others follow.
+    shade: usize,
     /// Paths in flight on each thread.
     slots: u32,
     /// Streams that no thread uses just now.
@@ -36,15 +40,16 @@ pub struct Wave {
 const GENERATE: usize = 0;
 const TRACE: usize = 1;
 const MISS: usize = 2;
-const SHADOW: usize = 3;
-/// The first class of shaders; the others follow.
-const SHADE: usize = 4;
+/// The kernel `shadow`, if there is one, or the first class of shaders.
+const BEHIND: usize = 3;
 
 impl Wave {
     /// A device with so many paths in flight on each thread, at least 1.
     pub fn new(kernels: Vec<Arc<Generated>>, slots: u32) -> Wave {
         let needs = kernels.iter().map(|k| Needs::of(&k.residual.program)).collect();
-        Wave { kernels, needs, slots, idle: Mutex::default() }
+        let shadow = kernels.get(BEHIND).is_some_and(|k| k.name == "shadow").then_some(BEHIND);
+        let shade = BEHIND + usize::from(shadow.is_some());
+        Wave { kernels, needs, shadow, shade, slots, idle: Mutex::default() }
     }
 
     /// The kernels.
@@ -186,7 +191,7 @@ impl Thread<'_, '_> {
         let ranges = self.sort();
         let (missed, hit) = ranges.split_last().expect("there is the range of misses");
         for (class, range) in hit.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
-            self.shade(SHADE + class, range.clone())?;
+            self.shade(self.wave.shade + class, range.clone())?;
         }
         self.dispatch(Stage::Miss, MISS, missed.len() as u32, &[missed.start, missed.end])?;
         self.shadow(0..missed.start)
@@ -232,10 +237,11 @@ impl Thread<'_, '_> {
 
     /// The light of these rows that nothing blocks.
     fn shadow(&mut self, rows: Range<u32>) -> Result<(), Error> {
+        let Some(kernel) = self.wave.shadow else { return Ok(()) };
         let count = rows.len() as u32;
         let args = [rows.start, rows.end];
         let Some(native) = &self.tables.native else {
-            return self.dispatch(Stage::Shadow, SHADOW, count, &args);
+            return self.dispatch(Stage::Shadow, kernel, count, &args);
         };
         let goes_on = !native.is_all();
         let Streams { shadows, next, walkers, .. } = &mut self.streams;
@@ -245,7 +251,7 @@ impl Thread<'_, '_> {
             streams::shadow(native, walkers, rows, shadows, next);
         });
         if goes_on {
-            self.dispatch(Stage::Shadow, SHADOW, count, &args)?;
+            self.dispatch(Stage::Shadow, kernel, count, &args)?;
         }
         Ok(())
     }
@@ -253,7 +259,7 @@ impl Thread<'_, '_> {
     /// Counting sort: the rows of live paths by class into `order`, ascending within a class. Gives the range of each class and,
     /// last, of what has hit nothing.
     fn sort(&mut self) -> Vec<Range<u32>> {
-        let shaders = self.wave.kernels.len() - SHADE;
+        let shaders = self.wave.kernels.len() - self.wave.shade;
         let Streams { paths, hits, order, .. } = &mut self.streams;
         // The last kernel shades what has none of its own.
         let place = |row: usize| match hits.at(Hits::CLASS, row) {

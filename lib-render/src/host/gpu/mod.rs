@@ -25,10 +25,13 @@ use std::time::{Duration, Instant};
 use super::device::DeviceKind;
 use super::error::Error;
 use super::film::{Film, sums};
+use super::generate::Request;
 use super::renderer::Handle;
 use super::tables::Pass;
+use crate::device::wavefront::entry_name;
 use crate::schema::{Pixels, binding};
 pub use real::*;
+use wavefront::Shading;
 
 /// One launch of a kernel.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -88,19 +91,18 @@ pub enum Schedule {
     /// See [`crate::device::megakernel`].
     Megakernel,
     /// See [`crate::device::wavefront`].
-    Wavefront {
-        /// Kernels that shade.
-        classes: u32,
-    },
+    Wavefront(Shading),
 }
 
 impl Schedule {
-    /// Of a device on a GPU that has so many kernels.
-    pub fn of(kind: DeviceKind, kernels: usize) -> Schedule {
-        match kind {
-            DeviceKind::GpuWavefront => Schedule::Wavefront { classes: (kernels - wavefront::STAGES.len()) as u32 },
-            _ => Schedule::Megakernel,
+    /// Of a device on a GPU that has these kernels.
+    pub fn of(kind: DeviceKind, kernels: &[Request]) -> Schedule {
+        if kind != DeviceKind::GpuWavefront {
+            return Schedule::Megakernel;
         }
+        let asks = kernels.last().is_some_and(|kernel| kernel.name == entry_name("shadow"));
+        let classes = kernels.len() - wavefront::STAGES.len() - usize::from(asks);
+        Schedule::Wavefront(Shading { classes: classes as u32, asks })
     }
 }
 
@@ -185,7 +187,7 @@ impl<M: Machine> Device<M> {
     fn trace(&mut self, piece: Piece, handle: &Handle) -> Result<bool, Error> {
         match self.schedule {
             Schedule::Megakernel => megakernel::trace(&mut self.machine, piece, handle),
-            Schedule::Wavefront { classes } => wavefront::trace(&mut self.machine, classes, piece, handle),
+            Schedule::Wavefront(shading) => wavefront::trace(&mut self.machine, shading, piece, handle),
         }
     }
 }

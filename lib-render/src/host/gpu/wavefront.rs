@@ -10,8 +10,8 @@ use crate::host::renderer::Handle;
 use crate::schema::*;
 
 /// The stages of the device, and so its kernels, in the order of their numbers; does a kernel depend on the tracer, and how many
-/// parameters has it? Behind them is a kernel `shade` for each class.
-pub const STAGES: [(&str, bool, usize); 11] = [
+/// parameters has it? Behind them is a kernel `shade` for each class, and `shadow` where vertices may ask for light.
+pub const STAGES: [(&str, bool, usize); 10] = [
     ("generate", true, 5),
     ("begin", false, 1),
     ("trace", false, 1),
@@ -20,7 +20,6 @@ pub const STAGES: [(&str, bool, usize); 11] = [
     ("plan", false, 2),
     ("scatter", false, 2),
     ("miss", true, 2),
-    ("shadow", false, 1),
     ("retire", false, 1),
     ("accumulate", false, 2),
 ];
@@ -33,11 +32,19 @@ const SCAN: usize = 4;
 const PLAN: usize = 5;
 const SCATTER: usize = 6;
 const MISS: usize = 7;
-const SHADOW: usize = 8;
-const RETIRE: usize = 9;
-const ACCUMULATE: usize = 10;
-/// The first class of shaders; the others follow.
+const RETIRE: usize = 8;
+const ACCUMULATE: usize = 9;
+/// The first class of shaders; the others follow, then `shadow`.
 const SHADE: usize = STAGES.len();
+
+/// The kernels behind those of [`STAGES`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Shading {
+    /// How many `shade`.
+    pub classes: u32,
+    /// Is there a `shadow`?
+    pub asks: bool,
+}
 
 /// Waves between two looks: half of all paths of a room end in so many.
 const WAVES: usize = 4;
@@ -46,11 +53,11 @@ const WAVES: usize = 4;
 ///
 /// # Errors
 /// When the device has no memory or is lost.
-pub fn trace(machine: &mut impl Machine, classes: u32, piece: Piece, handle: &Handle) -> Result<bool, Error> {
+pub fn trace(machine: &mut impl Machine, shading: Shading, piece: Piece, handle: &Handle) -> Result<bool, Error> {
     let items = piece.pixels * piece.samples;
     // Half of the paths wait until others have ended, so that waves stay full for longer.
     let slots = items.div_ceil(2);
-    machine.reserve(&streams(classes, piece, slots))?;
+    machine.reserve(&streams(shading.classes, piece, slots))?;
     let (mut given, mut rows, mut swapped) = (0, 0, false);
     loop {
         let mut passes = Vec::new();
@@ -64,7 +71,7 @@ pub fn trace(machine: &mut impl Machine, classes: u32, piece: Piece, handle: &Ha
             break;
         }
         for _ in 0..WAVES {
-            passes.push(wave(classes, swapped));
+            passes.push(wave(shading, swapped));
             swapped = !swapped;
         }
         machine.run(&passes)?;
@@ -95,7 +102,7 @@ fn streams(classes: u32, piece: Piece, slots: u32) -> [(usize, u32); 9] {
 }
 
 /// Take all live paths one vertex further.
-fn wave(classes: u32, swapped: bool) -> Vec<Launch> {
+fn wave(Shading { classes, asks }: Shading, swapped: bool) -> Vec<Launch> {
     use Extent::{Items, Range};
     let launch = |kernel, arguments: &[u32], extent| Launch { kernel, arguments: arguments.into(), extent, swapped };
     let mut wave = vec![
@@ -107,10 +114,8 @@ fn wave(classes: u32, swapped: bool) -> Vec<Launch> {
         launch(SCATTER, &[classes], Range(range::BLOCKS)),
     ];
     wave.extend((0..classes).map(|class| launch(SHADE + class as usize, &[0, class], Range(range::CLASSES + class))));
-    wave.extend([
-        launch(MISS, &[classes], Range(range::CLASSES + classes)),
-        launch(SHADOW, &[], Range(range::SHADOWS)),
-        launch(RETIRE, &[], Range(range::NEXT)),
-    ]);
+    wave.push(launch(MISS, &[classes], Range(range::CLASSES + classes)));
+    wave.extend(asks.then(|| launch(SHADE + classes as usize, &[], Range(range::SHADOWS))));
+    wave.push(launch(RETIRE, &[], Range(range::NEXT)));
     wave
 }
