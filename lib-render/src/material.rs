@@ -5,7 +5,7 @@ use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
 
 use crate::bsdf::Bsdf;
 use crate::bsdf::gltf::GltfValues;
-use crate::core::color::{Color, black, color};
+use crate::core::color::{Color, black, read_color};
 use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
 use crate::geometry::SurfaceElement;
@@ -51,12 +51,6 @@ impl_staged!(Material { bsdf, emission, is_emissive, is_unlit, base, absorption,
 
 /// Tint of the layer.
 const SPECULAR_COLOR: [Col<Materials, F32>; 3] = [Materials::SPECULAR_R, Materials::SPECULAR_G, Materials::SPECULAR_B];
-
-/// A colour that stands in three columns.
-fn read_color(row: Row<Materials>, columns: [Col<Materials, F32>; 3]) -> Color {
-    let [r, g, b] = columns.map(|c| row.get(c));
-    color(r, g, b)
-}
 
 /// A colour factor times its texture, if there is one.
 pub fn textured(

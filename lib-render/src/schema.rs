@@ -131,6 +131,12 @@ table! {
         LENS_UP: F32, bulk;
         /// Depth that a thin lens is in focus at, m.
         FOCUS: F32, bulk;
+        /// Absorption coefficient of what the camera is in, 1/m.
+        ABSORPTION_R: F32, bulk;
+        /// See [`Frame::ABSORPTION_R`].
+        ABSORPTION_G: F32, bulk;
+        /// See [`Frame::ABSORPTION_R`].
+        ABSORPTION_B: F32, bulk;
     }
 }
 

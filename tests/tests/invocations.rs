@@ -98,7 +98,7 @@ fn load(name: &str) -> Scene {
 fn device(kind: DeviceKind, tables: &Tables, tracer: TracerKind, most_bytes: u64) -> Device<OneByOne> {
     let requests = kind.requests(tables, tracer);
     let kernels = generate(tables, &requests, Keep::default()).unwrap_or_else(|e| panic!("{e}")).kernels;
-    let schedule = Schedule::of(kind, kernels.len());
+    let schedule = Schedule::of(kind, &requests);
     let memory = tables.memory.iter().map(|m| Memory::clone(m)).collect();
     Device::new(OneByOne { kernels, memory, most_bytes, launched: [0; 2] }, schedule)
 }
@@ -124,7 +124,7 @@ fn agree(name: &str, known: Known, tracer: TracerKind, most_bytes: u64) {
         // So many in the second pass that a megakernel leaves some pixels for another launch.
         for (sample, samples) in [(0, 1), (1, 11)] {
             let pass = Pass { size: SIZE, window: WINDOW, sample, samples, seed: 5 };
-            let frame = frame(&camera, tables.origin, &pass).words;
+            let frame = frame(&camera, tables.place(&camera), &pass).words;
             let (complete, more) = device.pass(&mut film, &pass, &frame, &Handle::default()).expect("it runs");
             assert!(complete, "{what}");
             (0..2).for_each(|k| rays[k] += more[k]);
@@ -161,7 +161,8 @@ fn a_cancelled_pass_leaves_whole_pieces() {
     let scene = load("cornell-box");
     let tables = Tables::new(&scene, &Choices::default(), Known::Structure);
     let pass = Pass { size: SIZE, window: WINDOW, sample: 0, samples: 1, seed: 0 };
-    let frame = frame(&scene.camera_or_default(), tables.origin, &pass).words;
+    let camera = scene.camera_or_default();
+    let frame = frame(&camera, tables.place(&camera), &pass).words;
     let handle = Handle::default();
     handle.cancel();
     let mut device = device(DeviceKind::GpuWavefront, &tables, TracerKind::Path, u64::MAX);

@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Mul, Sub};
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Bool, F32};
+use jerboa_ir::lang::{Bool, Buf, Col, F32, Row};
 
 /// Linear RGB.
 #[derive(Clone, Copy)]
@@ -20,6 +20,12 @@ impl_staged!(Color { r, g, b });
 /// A colour.
 pub fn color(r: impl Into<F32>, g: impl Into<F32>, b: impl Into<F32>) -> Color {
     Color { r: r.into(), g: g.into(), b: b.into() }
+}
+
+/// A colour that stands in three columns of a row.
+pub fn read_color<B: Buf>(row: Row<B>, columns: [Col<B, F32>; 3]) -> Color {
+    let [r, g, b] = columns.map(|c| row.get(c));
+    color(r, g, b)
 }
 
 /// The same value in each channel.

@@ -113,7 +113,7 @@ impl Device {
         if options.device.is_gpu() {
             let machine = RealMachine::new(tables, &requests, options.keep)?;
             let times = (machine.specialize_time, machine.emit_time + machine.pipeline_time);
-            let device = gpu::Device::new(machine, Schedule::of(options.device, requests.len()));
+            let device = gpu::Device::new(machine, Schedule::of(options.device, &requests));
             return Ok((Device::Gpu(Box::new(Mutex::new(device))), times.0, times.1));
         }
         let Kernels { kernels, specialize_time, codegen_time } = generate(tables, &requests, options.keep)?;
@@ -286,14 +286,14 @@ impl Renderer {
     ) -> Result<(bool, [u64; 2]), Error> {
         self.tables.camera.check(camera)?;
         if let Device::Gpu(device) = &self.device {
-            let frame = frame(camera, self.tables.origin, &pass).words;
+            let frame = frame(camera, self.tables.place(camera), &pass).words;
             let mut device = device.lock().unwrap_or_else(PoisonError::into_inner);
             return device.pass(film, &pass, &frame, handle);
         }
         if let (Device::CpuScalar(kernel), true) = (&self.device, self.options.tracer.is_splatting()) {
             return splats::pass(kernel, &self.tables, camera, film, pass, self.options.cut.tile, handle);
         }
-        let tiles = Tiles::new(camera, self.tables.origin, pass, self.options.cut.tile, film, handle);
+        let tiles = Tiles::new(camera, self.tables.place(camera), pass, self.options.cut.tile, film, handle);
         (0..rayon::current_num_threads())
             .into_par_iter()
             .with_max_len(1)
@@ -307,7 +307,7 @@ impl Renderer {
     /// When the camera is of another kind, or a kernel gives up: a fault of Jerboa; or on a GPU, which leaves sums of pixels.
     pub fn samples(&self, camera: &Camera, pass: &Pass) -> Result<Vec<u32>, Error> {
         self.tables.camera.check(camera)?;
-        let mut work = Whole::new(camera, self.tables.origin, pass);
+        let mut work = Whole::new(camera, self.tables.place(camera), pass);
         if let (Device::CpuScalar(kernel), true) = (&self.device, self.options.tracer.is_splatting()) {
             let [width, height] = pass.size;
             let mut all = splats::buffer(Window { x: 0, y: 0, width, height })?;

@@ -25,7 +25,7 @@ pub fn interpret(
 ) -> Result<Vec<u32>, Error> {
     let items = pass.window.area() as u32 * pass.samples;
     let mut memory: Vec<Memory> = tables.memory.iter().map(|m| Memory::clone(m)).collect();
-    memory[binding::<Frame>()] = frame(camera, tables.origin, pass);
+    memory[binding::<Frame>()] = frame(camera, tables.place(camera), pass);
     memory[binding::<Samples>()] = Memory { rows: items, words: vec![0; items as usize * Samples::COLUMNS.len()] };
     let entry = program.entry(kernel).ok_or_else(|| Error::new(format!("there is no kernel `{kernel}`")))?;
     let args = [Lit::U32(0), Lit::U32(items)];

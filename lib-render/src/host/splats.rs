@@ -36,7 +36,7 @@ pub(super) fn pass(
     let [width, height] = pass.size;
     let window = Window { x: 0, y: 0, width, height };
     let mut whole = Film::try_crop(pass.size, window)?;
-    let tiles = Tiles::new(camera, tables.origin, Pass { window, ..pass }, tile, &mut whole, handle);
+    let tiles = Tiles::new(camera, tables.place(camera), Pass { window, ..pass }, tile, &mut whole, handle);
     let thread = |_| -> Result<Vec<u32>, Error> {
         let mut splats = buffer(window)?;
         scalar::run(kernel, tables, &mut tiles.worker(), &mut splats)?;

@@ -6,13 +6,12 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use glam::DVec3;
 use jerboa_ir::lang::Buf;
 use jerboa_scenes::Camera;
 
 use super::film::{Film, Window};
 use super::renderer::Handle;
-use super::tables::{Pass, frame};
+use super::tables::{Pass, Place, frame};
 use crate::schema::Samples;
 
 /// A row of [`Samples`].
@@ -54,11 +53,11 @@ pub struct Whole {
 }
 
 impl Whole {
-    /// The items of a pass; `origin` is that of the tables.
-    pub fn new(camera: &Camera, origin: DVec3, pass: &Pass) -> Whole {
+    /// The items of a pass; `place` is where the camera stands.
+    pub fn new(camera: &Camera, place: Place, pass: &Pass) -> Whole {
         let items = pass.window.area() as u32 * pass.samples;
         let words = vec![0; items as usize * Samples::COLUMNS.len()];
-        Whole { frame: frame(camera, origin, pass).words, items, next: 0, words }
+        Whole { frame: frame(camera, place, pass).words, items, next: 0, words }
     }
 }
 
@@ -80,7 +79,7 @@ impl Work for Whole {
 /// races, and a cancelled pass leaves whole tiles.
 pub struct Tiles<'a> {
     camera: &'a Camera,
-    origin: DVec3,
+    place: Place,
     pass: Pass,
     side: u32,
     windows: Vec<Window>,
@@ -93,10 +92,10 @@ pub struct Tiles<'a> {
 }
 
 impl<'a> Tiles<'a> {
-    /// A pass over the window of a film, in tiles of `side` by `side` pixels.
+    /// A pass over the window of a film, in tiles of `side` by `side` pixels; `place` is where the camera stands.
     pub fn new(
         camera: &'a Camera,
-        origin: DVec3,
+        place: Place,
         pass: Pass,
         side: u32,
         film: &'a mut Film,
@@ -109,7 +108,7 @@ impl<'a> Tiles<'a> {
             .collect();
         Tiles {
             camera,
-            origin,
+            place,
             pass,
             side,
             windows,
@@ -205,7 +204,7 @@ impl Work for Worker<'_, '_> {
         let (first, count) = (self.given, most.min(tile.items - self.given));
         self.given += count;
         self.current = (self.given < tile.items).then_some(place);
-        let frame = frame(self.tiles.camera, self.tiles.origin, &tile.pass).words;
+        let frame = frame(self.tiles.camera, self.tiles.place, &tile.pass).words;
         Some(Batch { frame, first, count, number: place as u32 * self.stride() + first })
     }
 

@@ -72,6 +72,12 @@ table! {
         COS_INNER: F32, value;
         /// Radius of the scene's bounding sphere, m (emission sampling of infinite lights).
         SCENE_RADIUS: F32, value;
+        /// Absorption coefficient of what the light lies in, 1/m.
+        ABSORPTION_R: F32, value;
+        /// See [`Lights::ABSORPTION_R`].
+        ABSORPTION_G: F32, value;
+        /// See [`Lights::ABSORPTION_R`].
+        ABSORPTION_B: F32, value;
     }
 }
 

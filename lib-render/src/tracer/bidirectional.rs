@@ -39,9 +39,7 @@ use crate::schema::*;
 use crate::tracer::adjoint::{carried, scattered};
 use crate::tracer::lens::{Lens, Splat};
 use crate::tracer::light::{Emitted, emit, go_on};
-use crate::tracer::path::{
-    absorption_along, arriving, asks_for_light, direct, emitted, scatter, settings, sky, within_depth,
-};
+use crate::tracer::path::{arriving, asks_for_light, direct, emitted, reaching, scatter, settings, sky, within_depth};
 use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, PathState, RayState, Tracer, first_ray};
 
 /// What both paths carry.
@@ -64,7 +62,8 @@ impl PathState for Walk {
     }
 }
 
-/// The sums at a vertex that has been reached.
+/// The sums at a vertex that has been reached. Where the way there runs along the surface they are infinite: nothing else
+/// finds such a path, and its weight is 0.
 #[derive(Clone, Copy)]
 struct Sums {
     next: F32,
@@ -82,7 +81,8 @@ impl Walk {
     fn reaching(self, ray: Ray, hit: Hit, surf: SurfaceElement) -> Sums {
         let cos = surf.face_cos(ray.dir).abs();
         let squared = self.is_parallel.select(F32::from(1.0), hit.t * hit.t);
-        Sums { next: self.d_next * squared / cos, past: self.d_past / cos }
+        let over = 1.0 / cos;
+        Sums { next: self.d_next * squared * over, past: self.d_past.absorb(over) }
     }
 
     /// What it carries on by a BSDF sample, from `wo`.
@@ -98,10 +98,10 @@ impl Walk {
         let cos = surf.face_cos(sample.wi).abs();
         let (d_next, d_past) = b.if_(
             sample.is_specular,
-            |_| (F32::from(0.0), sums.past * cos),
+            |_| (F32::from(0.0), sums.past.absorb(cos)),
             |b| {
                 let back = mat.bsdf.pdf.call(b, (wo, sample.wi));
-                (1.0 / sample.pdf_dir, cos / sample.pdf_dir * (sums.past * back + sums.next))
+                (1.0 / sample.pdf_dir, (sums.past.absorb(back) + sums.next).absorb(cos / sample.pdf_dir))
             },
         );
         Walk { path, d_next, d_past, is_parallel: false.into() }
@@ -112,7 +112,7 @@ impl Sums {
     /// All ways to draw what lies before a vertex otherwise, over this one, where `density` per square metre is that of
     /// drawing the vertex from the other side, and `back` that of the step backwards from it, per steradian.
     fn others(self, density: F32, back: F32) -> F32 {
-        density * (self.next + self.past * back)
+        (self.next + self.past.absorb(back)).absorb(density)
     }
 }
 
@@ -124,13 +124,13 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
             let d_next = 1.0 / Lens::of_frame().density(ray.dir);
             (ray, Walk { path, d_next, d_past: 0.0.into(), is_parallel: false.into() })
         }),
-        on_hit: OnHitFn::lam(|b, (ray, hit, walk, surf, mat)| {
+        on_hit: OnHitFn::<Walk>::lam(|b, (ray, hit, walk, surf, mat)| {
             emitted(b, (ray, hit, walk.path), mat, |_, value| {
                 let others = walk.reaching(ray, hit, surf).others(value.pdf_area, value.pdf_dir);
                 walk.by_chance(others)
             })
         }),
-        on_miss: OnMissFn::lam(|b, (ray, walk)| {
+        on_miss: OnMissFn::<Walk>::lam(|b, (ray, walk)| {
             sky(b, ray, walk.path, |direct| {
                 let last = Row::<Lights>::at(settings().get(Settings::LIGHT_COUNT).max(1u32) - 1u32);
                 let sums = Sums { next: walk.d_next, past: walk.d_past };
@@ -143,7 +143,7 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
             b.when(!asks_for_light(path, mat), |b| skip.take(b, ()));
             let (index, light) = draw_light(b, path.rng.vertex(path.vertex, DIM_LIGHT), surf.point);
             let from = LightFrom::new(index, light);
-            let contribution = direct(b, (ray, hit, path), mat, light, |b, by_bsdf| {
+            let contribution = direct(b, (ray, hit, path), surf, mat, light, |b, by_bsdf| {
                 let back = mat.bsdf.pdf.call(b, (-ray.dir, light.wi));
                 let by_chance = light.is_delta.select(F32::from(0.0), by_bsdf / from.direct);
                 let density = from.emission * surf.face_cos(light.wi).abs();
@@ -152,7 +152,7 @@ pub fn make_eye_tracer(camera: CameraFn) -> Tracer<Walk> {
             b.when(contribution.is_black(), |b| skip.take(b, ()));
             emit.take(b, (spawn_shadow_ray(surf, light), contribution))
         }),
-        on_bounce: OnBounceFn::exits(|b, (ray, hit, walk, surf, mat, next, end)| {
+        on_bounce: OnBounceFn::<Walk>::exits(|b, (ray, hit, walk, surf, mat, next, end)| {
             let (sample, path) = scatter(b, (ray, hit, walk.path), surf, mat, end);
             let sums = walk.reaching(ray, hit, surf);
             let walk = walk.leaving(b, sums, (surf, mat), -ray.dir, sample, path);
@@ -181,7 +181,7 @@ pub fn make_light_side_tracer() -> Tracer<Walk, Splat> {
             let f = scattered(b, surf, mat, from, to);
             let back = mat.bsdf.pdf.call(b, (from, to));
             let weight = 1.0 / (1.0 + walk.reaching(ray, hit, surf).others(density, back));
-            let light = arriving(b, path, hit).absorb(f) * (density * weight);
+            let light = reaching(b, (ray, hit, path), surf, mat, to, seen.distance).absorb(f) * (density * weight);
             b.when(light.is_black(), |b| skip.take(b, ()));
             emit.take(b, (spawn_shadow_ray(surf, lens.as_light(seen)), Splat { pixel: seen.pixel, light }))
         }),
@@ -311,14 +311,14 @@ pub struct FarEnd {
     pub pos: Vec3,
     /// What it scatters this way of the light that arrives there, per steradian.
     pub f: Color,
-    /// Cosine between the way and the surface there.
-    pub cos: F32,
+    /// Face normal there.
+    pub normal: Vec3,
     /// Density with which its own path goes this way, per steradian.
     pub forward: F32,
     /// Density with which a path that comes from here goes back to where its light comes from, per steradian.
     pub back: F32,
 }
-impl_staged!(FarEnd { wi, distance, pos, f, cos, forward, back });
+impl_staged!(FarEnd { wi, distance, pos, f, normal, forward, back });
 
 impl FarEnd {
     /// The surface with this material, whose light comes from a direction, seen from a point.
@@ -332,7 +332,7 @@ impl FarEnd {
             distance,
             pos: offset_origin(surf, to),
             f: scattered(b, surf, mat, from, to),
-            cos: surf.face_cos(to).abs(),
+            normal: surf.face_normal,
             forward: mat.bsdf.pdf.call(b, (to, from)),
             back: mat.bsdf.pdf.call(b, (from, to)),
         }
@@ -352,18 +352,16 @@ pub fn connect(
     let (path, wo, wi) = (walk.path, -ray.dir, far.wi);
     let edges = light.vertex + path.vertex + 1u32;
     let is_within = !settings().get(Settings::DEPTH_LIMITED) | edges.le(settings().get(Settings::MAX_DEPTH));
-    let squared = far.distance * far.distance;
+    let (squared, far_cos) = (far.distance * far.distance, far.normal.dot(wi).abs());
     let f_cos = mat.bsdf.eval.call(b, (wi, wo)) * mat.normal.dot(wi).abs();
     let (forward, back) = (mat.bsdf.pdf.call(b, (wi, wo)), mat.bsdf.pdf.call(b, (wo, wi)));
-    let on_light = Sums { next: light.next, past: light.past }.others(forward * far.cos / squared, far.back);
+    let on_light = Sums { next: light.next, past: light.past }.others(forward * far_cos / squared, far.back);
     let cos = surf.face_cos(wi).abs();
     let on_eye = walk.reaching(ray, hit, surf).others(far.forward * cos / squared, back);
     let weight = 1.0 / (1.0 + on_light + on_eye);
-    let between =
-        RayState { throughput: arriving(b, path, hit), absorption: absorption_along(path, surf, mat, wo, wi), ..path };
-    let carried = arriving(b, between, Hit { t: far.distance, ..light.hit });
+    let carried = reaching(b, (ray, hit, path), surf, mat, wi, far.distance);
     let carried = carried.absorb(f_cos).absorb(far.f).absorb(light.light);
-    let carried = carried * (weight * far.cos / squared);
+    let carried = carried * (weight * far_cos / squared);
     let target = DirectLightSample {
         wi,
         pos: far.pos,
@@ -374,5 +372,13 @@ pub fn connect(
         primitive: light.hit.primitive,
         primitive1: NONE.into(),
     };
-    (spawn_shadow_ray(surf, target), is_within.select(carried, black()))
+    let shadow = spawn_shadow_ray(surf, target);
+    // The shadow ray sees neither end's triangle. So both must still be seen from the sides that were asked, or of a wall that
+    // holds both ends one could be on the inside and the other on the outside.
+    let is_as_asked = |normal: Vec3| {
+        let (asked, seen) = (normal.dot(wi), normal.dot(shadow.dir));
+        (asked.gt(0.0) & seen.gt(0.0)) | (asked.lt(0.0) & seen.lt(0.0))
+    };
+    let is_seen = is_within & is_as_asked(surf.face_normal) & is_as_asked(far.normal);
+    (shadow, is_seen.select(carried, black()))
 }

@@ -14,7 +14,7 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 
-use crate::core::color::{Color, black};
+use crate::core::color::{Color, black, read_color};
 use crate::core::rng::{DIM_BSDF, DIM_ROULETTE, Rng};
 use crate::core::vec::{Vec3, vec3};
 use crate::geometry::SurfaceElement;
@@ -22,10 +22,10 @@ use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
 use crate::light::{EmissionSample, choose_light, with_light};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
-use crate::schema::{Frame, NONE};
+use crate::schema::{Frame, Lights, NONE, Settings};
 use crate::tracer::adjoint::{carried, scattered};
 use crate::tracer::lens::{Lens, Splat};
-use crate::tracer::path::{absorption_along, arriving, has_lights, survival, within_depth};
+use crate::tracer::path::{absorption_along, arriving, has_lights, reaching, settings, survival, within_depth};
 use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer};
 
 /// Sets the numbers of paths from lights apart from those of paths from the camera under the same seed: the first bits of
@@ -47,7 +47,8 @@ pub fn make_light_tracer() -> Tracer<RayState, Splat> {
             let seen = lens.seen_from(surf.point);
             b.when(!seen.is_seen, |b| skip.take(b, ()));
             let f = scattered(b, surf, mat, -ray.dir, seen.wi);
-            let light = arriving(b, state, hit).absorb(f) * (seen.importance * surf.face_cos(seen.wi).abs());
+            let light = reaching(b, (ray, hit, state), surf, mat, seen.wi, seen.distance).absorb(f);
+            let light = light * (seen.importance * surf.face_cos(seen.wi).abs());
             b.when(light.is_black(), |b| skip.take(b, ()));
             emit.take(b, (spawn_shadow_ray(surf, lens.as_light(seen)), Splat { pixel: seen.pixel, light }))
         }),
@@ -106,11 +107,17 @@ pub(super) fn emit(b: &mut Block, (x, y, sample): (U32, U32, U32)) -> Emitted {
         radiance_scale: throughput.max_channel(),
         pdf_dir,
         is_specular: false.into(),
-        absorption: black(),
+        absorption: absorption_around(Row::at(light)),
     };
     let none = NONE.into();
     let ray = Ray { org: pos, dir, tmax: F32::from(f32::INFINITY), skip: none, skip1: none, skip2: none };
     Emitted { light, ray, state, cos, pdf_area, pdf_dir }
+}
+
+/// Absorption where a light is, 1/m.
+fn absorption_around(light: Row<Lights>) -> Color {
+    let columns = [Lights::ABSORPTION_R, Lights::ABSORPTION_G, Lights::ABSORPTION_B];
+    settings().get(Settings::HAS_VOLUMES).select(read_color(light, columns), black())
 }
 
 /// What a path from a light carries on in a direction, with this factor on its light: nothing where roulette ends it.

@@ -10,6 +10,9 @@
 //! | [`bidirectional`] | one of each | both, and each other |
 //! | [`occlusion`] | at the camera | the sky, once |
 //! | [`debug`], [`aov`] | at the camera | nothing |
+//!
+//! What a path lies in absorbs: it begins with what the host found around the camera or the light ([`Frame::ABSORPTION_R`],
+//! [`Lights::ABSORPTION_R`](crate::schema::Lights::ABSORPTION_R)), and a refraction changes it.
 
 pub mod path;
 pub mod debug;
@@ -25,12 +28,12 @@ use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Never, Row, Staged, U32};
 
 use crate::bsdf::frame::Side;
 use crate::camera::CameraFn;
-use crate::core::color::{Color, black, white};
+use crate::core::color::{Color, black, read_color, white};
 use crate::core::rng::Rng;
 use crate::geometry::{Frame3, SurfaceElement};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
-use crate::schema::Frame;
+use crate::schema::{Frame, Settings};
 
 /// What a path carries from vertex to vertex.
 #[derive(Clone, Copy)]
@@ -97,6 +100,7 @@ pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -
     let frame = Row::<Frame>::at(0u32);
     let pixel = y * frame.get(Frame::WIDTH) + x;
     let rng = Rng::new(frame.get(Frame::SEED), pixel, sample);
+    let around = read_color(frame, [Frame::ABSORPTION_R, Frame::ABSORPTION_G, Frame::ABSORPTION_B]);
     let state = RayState {
         rng,
         vertex: 1.into(),
@@ -104,7 +108,7 @@ pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -
         radiance_scale: 1.0.into(),
         pdf_dir: 0.0.into(),
         is_specular: true.into(),
-        absorption: black(),
+        absorption: Row::<Settings>::at(0u32).get(Settings::HAS_VOLUMES).select(around, black()),
     };
     (camera.call(b, (x, y, rng.vertex(0.into(), 0))), state)
 }

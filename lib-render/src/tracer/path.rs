@@ -40,7 +40,7 @@ pub fn make_path_tracer(camera: CameraFn) -> Tracer {
         on_shadow: OnShadowFn::exits(|b, (ray, hit, state, surf, mat, emit, skip)| {
             b.when(!asks_for_light(state, mat), |b| skip.take(b, ()));
             let light = sample_light(b, state.rng.vertex(state.vertex, DIM_LIGHT), surf.point);
-            let contribution = direct(b, (ray, hit, state), mat, light, |_, by_bsdf| {
+            let contribution = direct(b, (ray, hit, state), surf, mat, light, |_, by_bsdf| {
                 light.is_delta.select(F32::from(1.0), power_heuristic(light.pdf_dir, by_bsdf))
             });
             b.when(contribution.is_black(), |b| skip.take(b, ()));
@@ -109,10 +109,35 @@ pub(super) fn within_depth(state: RayState) -> Bool {
 
 /// Throughput at a hit: what absorption leaves along the ray.
 pub(super) fn arriving(b: &mut Block, state: RayState, hit: Hit) -> Color {
+    after(b, state.throughput, state.absorption, hit.t)
+}
+
+/// Throughput at what a vertex asks for, a light or the camera, in a direction and at a distance: what absorption leaves
+/// along the ray and on the way from the vertex.
+pub(super) fn reaching(
+    b: &mut Block,
+    (ray, hit, state): (Ray, Hit, RayState),
+    surf: SurfaceElement,
+    mat: Material,
+    wi: Vec3,
+    distance: F32,
+) -> Color {
+    let light = arriving(b, state, hit);
+    after(b, light, absorption_along(state, surf, mat, -ray.dir, wi), distance)
+}
+
+/// Throughput of a ray that comes from infinitely far away: nothing is left where it went through what absorbs.
+fn from_afar(b: &mut Block, state: RayState) -> Color {
+    let left = |light: F32, sigma: F32| sigma.gt(0.0).select(0.0.into(), light);
+    b.if_(settings().get(Settings::HAS_VOLUMES), |_| state.throughput.zip(state.absorption, left), |_| state.throughput)
+}
+
+/// Light after a distance through what absorbs.
+fn after(b: &mut Block, light: Color, absorption: Color, distance: F32) -> Color {
     b.if_(
         settings().get(Settings::HAS_VOLUMES),
-        |_| state.throughput * state.absorption.map(|sigma| exp(-sigma.absorb(hit.t))),
-        |_| state.throughput,
+        |_| light * absorption.map(|sigma| exp(-sigma.absorb(distance))),
+        |_| light,
     )
 }
 
@@ -146,10 +171,10 @@ pub(super) fn emitted(
 
 /// What the environment adds to a ray from the camera that hits nothing; its weight is told the density of light sampling.
 pub(super) fn sky(b: &mut Block, ray: Ray, state: RayState, weight: impl Fn(F32) -> F32) -> Color {
-    let radiance = |_: &mut Block| {
+    let radiance = |b: &mut Block| {
         let (radiance, by_light) = seen_environment(ray.dir);
         let weight = weight(by_light);
-        state.throughput.absorb(radiance) * weight
+        from_afar(b, state).absorb(radiance) * weight
     };
     b.if_(settings().get(Settings::HAS_ENVIRONMENT), radiance, |_| black())
 }
@@ -158,6 +183,7 @@ pub(super) fn sky(b: &mut Block, ray: Ray, state: RayState, weight: impl Fn(F32)
 pub(super) fn direct(
     b: &mut Block,
     (ray, hit, state): (Ray, Hit, RayState),
+    surf: SurfaceElement,
     mat: Material,
     light: DirectLightSample,
     weight: impl Fn(&mut Block, F32) -> F32,
@@ -169,7 +195,8 @@ pub(super) fn direct(
             let f_cos = mat.bsdf.eval.call(b, (light.wi, -ray.dir)) * mat.normal.dot(light.wi).abs();
             let by_bsdf = mat.bsdf.pdf.call(b, (light.wi, -ray.dir));
             let weight = weight(b, by_bsdf);
-            arriving(b, state, hit).absorb(f_cos).absorb(light.intensity) * (weight / light.pdf_dir)
+            let throughput = reaching(b, (ray, hit, state), surf, mat, light.wi, light.distance);
+            throughput.absorb(f_cos).absorb(light.intensity) * (weight / light.pdf_dir)
         },
     )
 }

@@ -125,6 +125,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "power_heuristic(by_bsdf, light.pdf_dir)",
         mistake: "the two densities of a light sample's weight are exchanged",
     },
+    Mutation {
+        name: "what-is-asked-for-is-not-absorbed",
+        file: "lib-render/src/tracer/path.rs",
+        before: "after(b, light, absorption_along(state, surf, mat, -ray.dir, wi), distance)",
+        after: "light",
+        mistake: "light that a vertex asks for is not absorbed on its way there",
+    },
     // ---- light that comes from the lights
     Mutation {
         name: "light-scatters-about-the-shading-normal",
@@ -143,8 +150,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "ways-without-the-step-back",
         file: "lib-render/src/tracer/bidirectional.rs",
-        before: "density * (self.next + self.past * back)",
-        after: "density * (self.next + self.past)",
+        before: "self.next + self.past.absorb(back)",
+        after: "self.next + self.past",
         mistake: "weights forget the density of the step backwards: they sum to something else than 1",
     },
     // ---- rays

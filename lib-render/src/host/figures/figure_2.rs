@@ -65,7 +65,7 @@ impl Variant {
         let window = Window { x: 0, y: 0, width, height };
         let pass = Pass { size: job.size, window, sample: 0, samples: job.spp, seed: 0 };
         let (mut film, handle, camera) = (Film::of_size(job.size), Handle::default(), scene.camera_or_default());
-        let tiles = Tiles::new(&camera, self.tables.origin, pass, Cut::default().tile, &mut film, &handle);
+        let tiles = Tiles::new(&camera, self.tables.place(&camera), pass, Cut::default().tile, &mut film, &handle);
         let mut stages = Stages::default();
         self.wave.run_clocked(&self.tables, &mut tiles.worker(), &mut stages)?;
         Ok(stages)

@@ -8,6 +8,7 @@ use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
 
 use super::geometry::Placed;
 use super::light_tree::{self, Emission, TREE_FROM};
+use super::media::{Absorption, Media};
 use super::memory::{Memory, RowMut, Table};
 use super::models::{Numbers, own_light};
 use crate::components::Components;
@@ -67,8 +68,9 @@ struct Emitter {
     material: usize,
 }
 
-/// Collect the lights of a scene. `origin` is subtracted from positions, `radius` is that of the bounding sphere.
-pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components) -> LightTables {
+/// Collect the lights of a scene. `origin` is subtracted from positions, `radius` is that of the bounding sphere, `media` are
+/// those of the scene.
+pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components, media: &Media) -> LightTables {
     let mut numbers = Numbers::of_lights(scene, components);
     let mut candidates: Vec<Candidate> = punctual(scene, radius).collect();
     candidates.extend(area(scene, origin));
@@ -102,6 +104,7 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
             let mut row = table.push();
             row.set(L::PROBABILITY, distribution.probability(i)).set(L::SCENE_RADIUS, radius);
             row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE).set(L::TRAIL, trails.get(i).copied().unwrap_or(0));
+            row.set_all([L::ABSORPTION_R, L::ABSORPTION_G, L::ABSORPTION_B], around(scene, origin, &c.kind, media));
             write(&mut row, scene, origin, &c.kind);
             if let Kind::Punctual(light) = &c.kind
                 && let LightKind::Own(own) = scene.lights[*light].kind
@@ -121,6 +124,19 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
     out.lights = table.finish();
     out.choice = choice.finish();
     out
+}
+
+/// What absorbs where a light is.
+fn around(scene: &Scene, origin: DVec3, kind: &Kind, media: &Media) -> Absorption {
+    match kind {
+        Kind::Punctual(i) if scene.lights[*i].kind == LightKind::Directional => [0.0; 3],
+        Kind::Punctual(i) => media.at(scene.lights[*i].position() - origin, None),
+        Kind::Area { emitter, .. } => {
+            let corners = emitter.triangle.map(|p| Vec3::from(p).as_dvec3());
+            media.at(corners.iter().sum::<DVec3>() / 3.0, Some(emitter.instance))
+        }
+        Kind::Environment => [0.0; 3],
+    }
 }
 
 /// Where a light is and where it shines; none for one that is infinitely far away, or of a user's crate. Its power is in the

@@ -115,7 +115,12 @@ fn absorption(m: &Material) -> [f32; 3] {
     v.attenuation_color.map(|c| -c.max(f32::MIN_POSITIVE).ln() / v.attenuation_distance)
 }
 
+/// Absorption coefficients inside, 1/m; none where the surface has no inside.
+pub fn inside(m: &Material) -> Option<[f32; 3]> {
+    is_thick(m).then(|| absorption(m))
+}
+
 /// Does light get lost inside?
 pub fn absorbs(m: &Material) -> bool {
-    is_thick(m) && absorption(m).iter().any(|s| *s > 0.0)
+    inside(m).is_some_and(|absorption| absorption.iter().any(|s| *s > 0.0))
 }

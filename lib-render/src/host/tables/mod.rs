@@ -5,6 +5,7 @@
 //! * [`memory`]: typed rows over words,
 //! * [`camera`]: the kinds of cameras,
 //! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`]: what each table holds,
+//! * [`media`]: what a camera or a light lies in,
 //! * [`sharing`], [`placing`]: instances that share the triangles of their mesh,
 //! * `tree`: the tree over all triangles,
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
@@ -19,6 +20,7 @@ pub mod geometry;
 pub mod plane;
 pub mod placing;
 pub mod sharing;
+pub mod media;
 pub mod lights;
 pub mod light_tree;
 mod tree;
@@ -34,6 +36,7 @@ use jerboa_scenes::{Camera, Lens, Scene};
 
 pub use camera::CameraKind;
 pub use classes::Known;
+use media::{Absorption, Media};
 use memory::{Memory, Table};
 use tree::SceneTree;
 
@@ -118,6 +121,8 @@ pub struct Tables {
     pub library: Library,
     /// Which instances were to share their triangles.
     shared: Vec<bool>,
+    /// The solids of the scene.
+    media: Arc<Media>,
 }
 
 /// How far a change of a scene reaches beyond materials, textures and settings.
@@ -187,7 +192,8 @@ impl Tables {
 
         // Lights.
         let radius = radius(&bounds);
-        let mut lights = lights::lights(scene, origin, radius, components);
+        let media = Media::new(scene, origin);
+        let mut lights = lights::lights(scene, origin, radius, components, &media);
         geometry::to_rows(&instances, &mut lights.marks);
         put(binding::<Instances>(), instances);
         put(binding::<Lights>(), lights.lights);
@@ -222,6 +228,7 @@ impl Tables {
             images,
             marks,
             shared,
+            media: Arc::new(media),
             library: library.clone(),
         }
     }
@@ -257,8 +264,12 @@ impl Tables {
         let columns = [Settings::LIGHT_COUNT.0, Settings::TREE_LIGHTS.0, Settings::INSTANCE_COUNT.0];
         let [count, in_tree, instance_count] = columns.map(|column| former[column as usize]);
         let mut counts = [count, in_tree];
-        if change.lights {
-            let mut lights = lights::lights(scene, self.origin, self.radius, components);
+        let same_media = self.media.are_of(scene);
+        if !same_media {
+            new.media = Arc::new(Media::new(scene, self.origin));
+        }
+        if change.lights || !same_media {
+            let mut lights = lights::lights(scene, self.origin, self.radius, components, &new.media);
             geometry::to_rows(&self.memory[binding::<Instances>()], &mut lights.marks);
             put(binding::<Lights>(), lights.lights);
             put(binding::<LightChoice>(), lights.choice);
@@ -269,6 +280,11 @@ impl Tables {
         new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, counts, instance_count));
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
         new
+    }
+
+    /// Where a camera stands.
+    pub fn place(&self, camera: &Camera) -> Place {
+        Place { origin: self.origin, absorption: self.media.at(camera.position() - self.origin, None) }
     }
 
     /// Does this material emit?
@@ -340,8 +356,17 @@ pub struct Pass {
     pub seed: u32,
 }
 
+/// Where a camera stands among [`Tables`].
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Subtracted from world positions.
+    pub origin: DVec3,
+    /// What absorbs there.
+    pub absorption: Absorption,
+}
+
 /// The [`Frame`] table of a pass.
-pub fn frame(camera: &Camera, origin: DVec3, pass: &Pass) -> Memory {
+pub fn frame(camera: &Camera, Place { origin, absorption }: Place, pass: &Pass) -> Memory {
     use Frame as F;
     let half = camera.half_height();
     let aspect = f64::from(pass.size[0]) / f64::from(pass.size[1]);
@@ -355,6 +380,7 @@ pub fn frame(camera: &Camera, origin: DVec3, pass: &Pass) -> Memory {
     row.set_all([F::RIGHT_X, F::RIGHT_Y, F::RIGHT_Z], axis(camera.right() * half * aspect));
     row.set_all([F::UP_X, F::UP_Y, F::UP_Z], axis(camera.up() * half));
     row.set_all([F::FORWARD_X, F::FORWARD_Y, F::FORWARD_Z], axis(camera.forward()));
+    row.set_all([F::ABSORPTION_R, F::ABSORPTION_G, F::ABSORPTION_B], absorption);
     if let Lens::Thin { aperture, focus, .. } = camera.lens {
         let radius = aperture / 2.0;
         let lens = [radius / (half * aspect), radius / half, focus].map(|x| x as f32);

@@ -151,7 +151,7 @@ impl Kernel {
         let items = SIDE * SIDE * SAMPLES;
         let window = Window { x: 0, y: 0, width: SIDE, height: SIDE };
         let pass = Pass { size: [SIDE; 2], window, sample: 0, samples: SAMPLES, seed: 0 };
-        let mut frame = frame(&self.camera, self.tables.origin, &pass).words;
+        let mut frame = frame(&self.camera, self.tables.place(&self.camera), &pass).words;
         let mut samples = vec![0_u32; items as usize * Samples::COLUMNS.len()];
         let memory = self.tables.memory.iter_mut().map(Arc::make_mut);
         let mut bindings: Vec<_> = memory.map(|m| cranelift::Binding::new(&mut m.words, m.rows)).collect();
