@@ -139,7 +139,8 @@ pub(super) fn table_2(args: &Table2Args) -> Result<String, Error> {
             let job = args.rendered.job(&scene);
             let python = args.peer.as_ref().filter(|_| path.ends_with(".glb"));
             let mut peer =
-                python.map(|python| Peer::start(python, Path::new(path), &job, args.peer_lanes)).transpose()?;
+                python.map(|python| Peer::start(python, Path::new(path), &job.of_peer(args.peer_lanes))).transpose()?;
+            peer.as_mut().map(Peer::load).transpose()?;
             groups.push(in_pool(args.threads, || table_2::measure(&scene, &job, peer.as_mut()))?);
         }
         groups.push(table_2::means(&groups));

@@ -19,6 +19,7 @@ mod edits;
 mod rays;
 mod effort;
 mod figures;
+mod efficiency;
 
 use crate::host::error::Error;
 use args::{BenchCommand, Cli, Command};
@@ -55,6 +56,7 @@ fn dispatch(command: Command) -> Result<(), Error> {
         Command::Devices(args) => print(&devices::run(&args)),
         Command::Bench { command: BenchCommand::Devices(args) } => print(&contest::run(&args)?),
         Command::Bench { command: BenchCommand::Edits(args) } => print(&edits::run(&args)?),
+        Command::Bench { command: BenchCommand::Error(args) } => print(&efficiency::run(&args)?),
         Command::Bench { command: BenchCommand::Rays(args) } => print(&rays::run(&args)?),
         Command::Bench { command: BenchCommand::Table3(args) } => print(&effort::run(&args)?),
         Command::Bench { command: BenchCommand::Table2(args) } => print(&figures::table_2(&args)?),

@@ -51,6 +51,7 @@ pub mod sheet;
 pub mod rays;
 pub mod effort;
 pub mod figures;
+pub mod efficiency;
 pub mod distribution;
 pub mod alias;
 pub mod error;

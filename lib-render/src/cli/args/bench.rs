@@ -2,6 +2,7 @@
 
 use super::DEFAULT_SCENE;
 use super::values::TraversalArg;
+use crate::cli::efficiency::ErrorArgs;
 use crate::cli::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, Table2Args};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -16,6 +17,12 @@ pub enum BenchCommand {
     /// standard errors and has neither. The exit code is 0 if all pass. `--json` adds what each scene is for, and what a naive
     /// renderer does there.
     Stability(StabilityArgs),
+    /// Render within budgets of wall time, and say what error is left: our levels and devices, and beside Mitsuba 3
+    ///
+    /// The clock runs from the opening of the scene's file to the finished film. The error is the variance between renders with
+    /// other seeds, relative to the picture; so no reference is needed, and nobody is charged for what a file means to him. All
+    /// contestants take turns, seed by seed; the first is compared with each other one. `-o` writes a page, `--csv` each run.
+    Error(ErrorArgs),
     /// Trace rays without shading: millions a second
     ///
     /// A line for each set of rays: from the camera, diffuse from where those hit, diffuse from where these hit, the same in

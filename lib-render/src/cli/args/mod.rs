@@ -9,6 +9,7 @@ mod values;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
+pub use super::efficiency::ErrorArgs;
 pub use super::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, OutputArgs, RenderedArgs, Table2Args};
 pub use super::shown::{AovArg, ShownArgs, TracerArg};
 pub use bench::*;

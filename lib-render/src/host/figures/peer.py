@@ -1,13 +1,20 @@
 """Renders a glTF binary by Mitsuba 3 (variant llvm_ad_rgb), beside Jerboa and under the same rules.
 
-Arguments: FILE WIDTH HEIGHT SPP MAX_DEPTH RR_DEPTH LANES (0 for the best width). Then a line of stdin is answered by a line:
-`load` by the seconds of loading, a seed by the seconds of a render, `variance` by the variance of a sample.
+Arguments: FILE SETTING, a JSON object with width, height, spp, max_depth, rr_depth, sampler, lanes (null for the best width) and
+cache, a folder for what Dr.Jit compiles. Then a line of stdin is answered by a line of numbers:
 
-Box filter, independent samples. Materials become what Mitsuba has: emitters, clear smooth glass, metals and mirrors with a
+- `load`: seconds of loading.
+- `render SEED`: seconds of a render of the loaded scene.
+- `variance`: variance of a sample, by the renders so far but those of seed 0.
+- `whole SEED SPP PATH`: seconds from the opening of the file to the finished film, nothing being left of earlier renders, seconds
+  of that after loading, and samples per pixel; the film's 32-bit floats go to PATH.
+
+Box filter. Materials become what Mitsuba has: emitters, clear smooth glass, metals and mirrors with a
 constant reflectance, Lambert for the rest. So only a scene that is made of these is the same integral.
 """
 
 import ctypes
+import glob
 import json
 import os
 import struct
@@ -15,6 +22,11 @@ import sys
 import tempfile
 import time
 
+# Dr.Jit keeps its cache in the home folder, which it asks for when it is imported.
+SETTING = json.loads(sys.argv[2])
+os.environ["HOME"] = SETTING["cache"]
+
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -25,9 +37,7 @@ NEAREST = 9728
 
 def use_lanes(lanes):
     """Dr.Jit chooses the width of its vectors by the processor and has no other setting, but its library has."""
-    import drjit
-
-    library = ctypes.CDLL(os.path.join(os.path.dirname(drjit.__file__), "libdrjit-core.so"))
+    library = ctypes.CDLL(os.path.join(os.path.dirname(dr.__file__), "libdrjit-core.so"))
     set_target = library._Z19jit_llvm_set_targetPKcS0_j
     set_target.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_uint32]
     set_target(b"skylake-avx512" if lanes == 16 else b"haswell", None, lanes)
@@ -189,13 +199,25 @@ def environment(file):
     return {"type": "envmap", "bitmap": mi.Bitmap(rows), "scale": scale, "to_world": mi.ScalarTransform4f(turn)}
 
 
-def load(path, width, height, max_depth, rr_depth):
+def suns(file):
+    """Directional lights."""
+    lights = file.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+    for node, world in file.placed():
+        index = node.get("extensions", {}).get("KHR_lights_punctual", {}).get("light")
+        if index is not None and lights[index]["type"] == "directional":
+            light = lights[index]
+            direction = -world[:3, 2] / np.linalg.norm(world[:3, 2])
+            irradiance = np.array(light.get("color", [1, 1, 1])) * light.get("intensity", 1)
+            yield {"type": "directional", "direction": direction.tolist(), "irradiance": rgb(irradiance)}
+
+
+def load(path, setting):
     file = File(path)
     node, world = next((n, w) for n, w in file.placed() if "camera" in n)
     yfov = file.list("cameras")[node["camera"]]["perspective"]["yfov"]
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": max_depth, "rr_depth": rr_depth},
+        "integrator": {"type": "path", "max_depth": setting["max_depth"], "rr_depth": setting["rr_depth"]},
         "sensor": {
             "type": "perspective",
             "fov": float(np.degrees(yfov)),
@@ -205,13 +227,13 @@ def load(path, width, height, max_depth, rr_depth):
             "to_world": mi.ScalarTransform4f(world @ np.diag([-1.0, 1.0, -1.0, 1.0])),
             "film": {
                 "type": "hdrfilm",
-                "width": width,
-                "height": height,
+                "width": setting["width"],
+                "height": setting["height"],
                 "pixel_format": "rgb",
                 "component_format": "float32",
                 "rfilter": {"type": "box"},
             },
-            "sampler": {"type": "independent"},
+            "sampler": {"type": setting["sampler"], "sample_count": setting["spp"]},
         },
     }
     for i, m in enumerate(file.list("materials")):
@@ -219,31 +241,49 @@ def load(path, width, height, max_depth, rr_depth):
     sky = environment(file)
     if sky is not None:
         scene["sky"] = sky
+    scene.update((f"sun{i}", sun) for i, sun in enumerate(suns(file)))
     with tempfile.TemporaryDirectory() as folder:
         scene.update((f"shape{i}", shape) for i, shape in enumerate(shapes(file, folder)))
         return mi.load_dict(scene)
 
 
+def whole(path, setting, seed, target):
+    """Wall times from the opening of the file, and samples per pixel. Nothing that an earlier scene left is used."""
+    dr.flush_kernel_cache()
+    for kernel in glob.glob(os.path.join(setting["cache"], ".drjit", "*")):
+        os.remove(kernel)
+    start = time.perf_counter()
+    scene = load(path, setting)
+    loaded = time.perf_counter()
+    picture = np.array(mi.render(scene, seed=seed))
+    end = time.perf_counter()
+    picture.astype("<f4").tofile(target)
+    return end - start, end - loaded, scene.sensors()[0].sampler().sample_count()
+
+
 def main():
-    path, (width, height, spp, max_depth, rr_depth, lanes) = sys.argv[1], map(int, sys.argv[2:])
+    path, setting = sys.argv[1], SETTING
     mi.set_variant("llvm_ad_rgb")
-    if lanes:
-        use_lanes(lanes)
+    if setting["lanes"]:
+        use_lanes(setting["lanes"])
     scene, pictures = None, []
     for line in sys.stdin:
-        start, word = time.perf_counter(), line.strip()
-        if word == "load":
-            scene = load(path, width, height, max_depth, rr_depth)
-            answer = time.perf_counter() - start
-        elif word == "variance":
+        start, words = time.perf_counter(), line.strip().split(" ", 3)
+        if words[0] == "load":
+            scene = load(path, setting)
+            answer = [time.perf_counter() - start]
+        elif words[0] == "variance":
             y = np.stack(pictures)
-            answer = spp * y.var(axis=0, ddof=1).mean() / y.mean() ** 2
+            answer = [setting["spp"] * y.var(axis=0, ddof=1).mean() / y.mean() ** 2]
+        elif words[0] == "whole":
+            answer = whole(path, {**setting, "spp": int(words[2])}, int(words[1]), words[3])
         else:
-            picture = np.array(mi.render(scene, spp=spp, seed=int(word)))
-            answer = time.perf_counter() - start
-            if int(word) > 0:
+            seed = int(words[1])
+            picture = np.array(mi.render(scene, spp=setting["spp"], seed=seed))
+            answer = [time.perf_counter() - start]
+            if seed > 0:
                 pictures.append(picture.astype(np.float64) @ [0.2126, 0.7152, 0.0722])
-        print(answer, flush=True)
+        print(*answer, flush=True)
 
 
 main()

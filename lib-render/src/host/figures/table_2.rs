@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use jerboa_scenes::Scene;
 
-use super::peer::Peer;
+use super::peer::{Peer, Setting};
 use super::{Group, LEVELS, in_turn};
 use crate::host::error::Error;
 use crate::host::film::Film;
@@ -32,6 +32,14 @@ pub struct Job {
     pub rounds: u32,
     /// Largest number of path edges.
     pub max_depth: u32,
+}
+
+impl Job {
+    /// The same by the peer, `lanes` wide.
+    pub fn of_peer(&self, lanes: Option<u32>) -> Setting {
+        let Job { size, spp, max_depth, .. } = *self;
+        Setting { size, spp, max_depth, rr_depth: RR_DEPTH, sampler: "independent".into(), lanes }
+    }
 }
 
 /// Scattering from which on roulette may end a path, with the peers.
