@@ -1,3 +1,5 @@
+//! The words are understood, and what has no meaning is refused.
+
 use super::*;
 use clap::Args;
 
