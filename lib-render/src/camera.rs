@@ -10,7 +10,7 @@ use crate::ray::Ray;
 use crate::schema::{CAMERA_FISHEYE, CAMERA_ORTHOGRAPHIC, CAMERA_THIN, Frame, NONE, Settings};
 
 /// (column, row of the pixel, rng at dimension 0 of vertex 0) → the ray through a point of the pixel's square, uniform
-/// over it. Draws two numbers, and two more where there is a lens.
+/// over it. Draws two numbers together, and two more where there is a lens.
 pub type CameraFn = Fun<(U32, U32, Rng), Ray>;
 
 /// The camera of the kind that [`Settings::CAMERA`] knows; of what it reads all else is bulk: moving never recompiles.
@@ -26,8 +26,7 @@ pub type CameraFn = Fun<(U32, U32, Rng), Ray>;
 /// - fisheye: at the angle θ = |p| from forward towards p, at most π.
 pub fn make_camera() -> CameraFn {
     CameraFn::lam(|b, (i, j, rng)| {
-        let (x, rng) = rng.next();
-        let (y, rng) = rng.next();
+        let ([x, y], rng) = rng.pair();
         let frame = Row::<Frame>::at(0u32);
         let read = |x, y, z| vec3(frame.get(x), frame.get(y), frame.get(z));
         let right = read(Frame::RIGHT_X, Frame::RIGHT_Y, Frame::RIGHT_Z);
@@ -38,8 +37,8 @@ pub fn make_camera() -> CameraFn {
         let down = 2.0 * (j.to_f32() + y) / frame.get(Frame::HEIGHT).to_f32() - 1.0;
         let pinhole = |_: &mut Block| (eye, (forward + right * across - up * down).normalize());
         let thin = |_: &mut Block| {
-            let (u, rng) = rng.next();
-            let disk = concentric_disk(vec2(u, rng.next().0));
+            let ([u, v], _) = rng.pair();
+            let disk = concentric_disk(vec2(u, v));
             let lens = right * (disk.x * frame.get(Frame::LENS_RIGHT)) + up * (disk.y * frame.get(Frame::LENS_UP));
             let sharp = (forward + right * across - up * down) * frame.get(Frame::FOCUS);
             (eye + lens, (sharp - lens).normalize())

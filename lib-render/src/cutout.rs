@@ -3,7 +3,7 @@
 
 use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 
-use crate::core::rng::{DIM_HOLES, Rng};
+use crate::core::rng::{DIM_HOLES, Stream};
 use crate::core::vec::Vec2;
 use crate::geometry::triangle::Triangle;
 use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Geometries, Materials};
@@ -23,13 +23,13 @@ pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
 
 /// Is there a surface at these texture coordinates, where its vertices have the alpha `vertices`?
 ///
-/// Mask: where alpha ≥ the cutoff. Blend: with probability alpha, by a number that depends on pixel and sample (the stream
-/// of `rng`), path vertex and primitive alone, so that every traversal order sees the same holes (Law 9).
+/// Mask: where alpha ≥ the cutoff. Blend: with probability alpha, by a number that depends on pixel and sample (the
+/// `stream`), path vertex and primitive alone, so that every traversal order sees the same holes (Law 9).
 pub fn is_there(
     b: &mut Block,
     row: Row<Materials>,
     (uv, vertices): ([Vec2; 2], F32),
-    rng: Rng,
+    stream: Stream,
     vertex: U32,
     primitive: U32,
 ) -> Bool {
@@ -42,7 +42,7 @@ pub fn is_there(
             b.if_(
                 mode.eq(ALPHA_MASK),
                 |_| alpha.ge(row.get(Materials::ALPHA_CUTOFF)),
-                |_| alpha.gt(rng.vertex(vertex, DIM_HOLES).of(primitive)),
+                |_| alpha.gt(stream.vertex(vertex, DIM_HOLES).of(primitive)),
             )
         },
     )

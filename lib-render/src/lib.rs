@@ -48,6 +48,7 @@
 pub mod schema;
 pub mod components;
 pub mod core;
+pub mod sampler;
 pub mod ray;
 pub mod image;
 pub mod texture;

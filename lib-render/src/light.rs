@@ -86,7 +86,7 @@ pub fn sample_light(b: &mut Block, rng: Rng, point: Vec3) -> DirectLightSample {
     };
     let by_tree = |b: &mut Block| {
         let (index, probability) = tree::choose(b, rng, point);
-        let (_, rest) = rng.words::<2>();
+        let rest = rng.ahead(2);
         let sample = with_light(b, index, |b, light| light.sample_direct.call(b, (rest, point)));
         DirectLightSample { pdf_dir: chosen(index, probability, sample.pdf_dir), ..sample }
     };

@@ -82,6 +82,16 @@ table! {
 }
 
 table! {
+    /// How random numbers are drawn, one row. It is known at every level of knowledge, as [`Models`] is.
+    pub classed Sampling {
+        /// From scrambled Sobol points, not each by itself?
+        IS_SOBOL: Bool, structure;
+        /// log2 of how many independent sequences the samples of a pixel belong to.
+        LOG_SCRAMBLES: U32, structure;
+    }
+}
+
+table! {
     /// What never recompiles, one row: camera, film, seed, range of samples.
     pub Frame {
         /// Film width in pixels.
@@ -176,6 +186,7 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Models>(),
     spec::<Parameters>(),
     spec::<LightVertices>(),
+    spec::<Sampling>(),
 ];
 
 /// Declare every buffer in the program that is being built.

@@ -32,8 +32,7 @@ fn make_lamp(row: Row<Lights>, numbers: Numbers) -> Light {
     Light {
         sample_direct: Fun::lam(move |_, (_, point): (Rng, Vec3)| sample_place(row, point, intensity)),
         sample_emission: Fun::lam(move |_, rng: Rng| {
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             let dir = uniform_sphere(vec2(u, v));
             EmissionSample {
                 pos: position(row),

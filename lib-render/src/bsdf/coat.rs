@@ -64,8 +64,7 @@ pub fn make_coat(surf: SurfaceElement, number: u32, values: CoatValues) -> Layer
             eval: EvalFn::lam(|b, (wi, wo)| b.if_(values.smooth, |_| black(), |_| gray(seen(wo).value(wi).0))),
             pdf: PdfFn::lam(|b, (wi, wo)| b.if_(values.smooth, |_| F32::from(0.0), |_| seen(wo).value(wi).1)),
             sample: SampleFn::lam(|b, (rng, wo)| {
-                let (u, rng) = rng.next();
-                let (v, _) = rng.next();
+                let ([u, v], _) = rng.pair();
                 b.if_(
                     values.smooth,
                     |_| seen(wo).mirrored(),

@@ -56,7 +56,6 @@ pub fn diffuse_pdf(side: Side, wi: Vec3) -> F32 {
 
 /// A direction with density cos/π around the shading normal. Draws two numbers.
 pub fn sample_diffuse(rng: Rng, side: Side) -> Vec3 {
-    let (u, rng) = rng.next();
-    let (v, _) = rng.next();
+    let ([u, v], _) = rng.pair();
     Frame3::around(side.normal).to_world(cosine_hemisphere(vec2(u, v)))
 }

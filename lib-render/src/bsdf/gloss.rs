@@ -43,8 +43,7 @@ impl Gloss {
     /// A direction by way of a visible microfacet, and whether it is above the bent surface: else the sample failed. Draws two
     /// numbers.
     pub fn sample(self, rng: Rng, alpha: F32) -> (Vec3, Bool) {
-        let (u, rng) = rng.next();
-        let (v, _) = rng.next();
+        let ([u, v], _) = rng.pair();
         let rough = Rough::new(self.normal, self.wo, alpha);
         let local = rough.reflected(rough.sample_normal(vec2(u, v)));
         (rough.frame.to_world(local), local.z.gt(0.0))

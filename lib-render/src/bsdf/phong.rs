@@ -90,8 +90,7 @@ fn power(axis: Vec3, wi: Vec3, ns: F32) -> F32 {
 
 /// A direction with density (ns + 1)/2π cosⁿˢ around the axis. Draws two numbers.
 fn sample_lobe(rng: Rng, axis: Vec3, ns: F32) -> Vec3 {
-    let (u, rng) = rng.next();
-    let (turns, _) = rng.next();
+    let ([u, turns], _) = rng.pair();
     // cos = u^(1/(ns+1)), by its distance from 1, which is all a narrow lobe has.
     let one_minus_cos = -exp_m1(log(1.0 - u) / (ns + 1.0));
     Frame3::around(axis).to_world(cone_rim(one_minus_cos, turns))

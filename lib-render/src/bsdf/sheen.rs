@@ -72,8 +72,7 @@ pub fn make_sheen(surf: SurfaceElement, number: u32, values: SheenValues) -> Lay
             pdf: PdfFn::lam(|_, (wi, wo)| density(Side::new(surf, wo), wi)),
             sample: SampleFn::lam(|_, (rng, wo)| {
                 let side = Side::new(surf, wo);
-                let (z, rng) = rng.next();
-                let (turns, _) = rng.next();
+                let ([z, turns], _) = rng.pair();
                 let (sin_phi, cos_phi) = sincos_turns(turns);
                 let sin = (1.0 - z * z).max(0.0).sqrt();
                 let wi = Frame3::around(side.normal).to_world(vec3(sin * cos_phi, sin * sin_phi, z));

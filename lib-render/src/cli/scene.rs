@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 
 use jerboa_scenes::{Camera, Environment, Limits, Scene, Selection, Sky};
 
-use super::args::{DeviceArg, KnownArg, RenderArgs, SelectArgs, ShadingNormalsArg, TraversalArg};
+use super::args::{DeviceArg, KnownArg, RenderArgs, SamplerArg, SelectArgs, ShadingNormalsArg, TraversalArg};
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::gpu;
 use crate::host::library::Library;
 use crate::host::tables::models::check_models;
-use crate::host::tables::{CameraKind, Choices, Known};
+use crate::host::tables::{CameraKind, Choices, Known, SamplerKind};
 
 impl From<KnownArg> for Known {
     fn from(arg: KnownArg) -> Known {
@@ -151,6 +151,10 @@ pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
         occlusion_distance: args.shown.ao_distance.unwrap_or(f32::INFINITY),
         camera: Some(CameraKind::of(camera)),
         solid_angle: args.solid_angle,
+        sampler: match args.sampler {
+            SamplerArg::Independent => SamplerKind::Independent,
+            SamplerArg::Sobol => SamplerKind::Sobol { log_scrambles: args.scrambles.ilog2() },
+        },
         ..Choices::default()
     }
 }

@@ -4,6 +4,7 @@ pub mod vec;
 pub mod color;
 pub mod exact;
 pub mod rng;
+pub mod sobol;
 pub mod math;
 pub mod onb;
 pub mod sampling;

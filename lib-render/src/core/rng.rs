@@ -15,11 +15,12 @@
 //! bits see the very same streams in another order, and so the same noise. At 64 samples that befell 34 of 2^16 pixels, at
 //! 1024 samples 3 % of 2^18. `tests/tests/random_numbers.rs` counts them.
 //!
-//! An [`Rng`] is a stream and a position. [`Rng::next`] gives the number there and the next position; [`Rng::vertex`]
-//! starts the block of dimensions of a path vertex, so that what one component draws never shifts what another sees.
+//! An [`Rng`] is a stream and a position. [`Rng::next`] and [`Rng::pair`] give what is there, as the [sampler](crate::sampler)
+//! of the render draws it, and the next position; [`Stream::vertex`] starts the block of dimensions of a path vertex, so that
+//! what one component draws never shifts what another sees.
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{F32, U32};
+use jerboa_ir::lang::{Bool, F32, U32};
 
 /// Dimensions set aside for each path vertex. A BSDF draws at most 4, a light at most 4, roulette and holes 1 each.
 pub const DIMENSIONS_PER_VERTEX: u32 = 16;
@@ -40,56 +41,67 @@ pub const DIM_BLEND: u32 = 15;
 /// 2^32 / golden ratio, rounded to odd (Knuth 1998, section 6.4): its multiples differ in many bits.
 const GOLDEN: u32 = 0x9e37_79b9;
 
-/// A position in the stream of one sample of one pixel.
+/// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy)]
-pub struct Rng {
+pub struct Stream {
     /// Where the progression starts.
     pub start: U32,
     /// How far each dimension steps; odd.
     pub step: U32,
-    /// Next dimension.
-    pub dim: U32,
+    /// Which point of a sequence the sample is, its bits reversed; 0 where the sampler has no sequences.
+    pub index: U32,
 }
-impl_staged!(Rng { start, step, dim });
+impl_staged!(Stream { start, step, index });
 
-impl Rng {
-    /// The stream of one sample. `pixel` counts over the whole film, so that a crop sees the very same.
-    pub fn new(seed: U32, pixel: U32, sample: U32) -> Rng {
+impl Stream {
+    /// The stream under a key of three words.
+    pub fn keyed(seed: U32, pixel: U32, sample: U32) -> Stream {
         let seed = hash(seed);
         // Each round can be undone. After three of them a change of either half has reached both, after four twice.
         let round = |(left, right): (U32, U32), n: u32| (right, left ^ hash(right ^ (seed + n.wrapping_mul(GOLDEN))));
         let (start, step) = (1..=4).fold((sample, pixel), round);
-        Rng { start, step: step | 1u32, dim: 0.into() }
+        Stream { start, step: step | 1u32, index: 0.into() }
     }
 
-    /// The word at this position.
+    /// The block of dimensions of path vertex `vertex` (the camera is 0), from `dim` on.
+    pub fn vertex(self, vertex: U32, dim: u32) -> Rng {
+        let Stream { start, step, index } = self;
+        let is_second = Bool::from(dim == DIM_LIGHT);
+        Rng { start, step, index, dim: vertex * DIMENSIONS_PER_VERTEX + dim, is_second }
+    }
+}
+
+/// A position in a stream.
+#[derive(Clone, Copy)]
+pub struct Rng {
+    /// See [`Stream::start`].
+    pub start: U32,
+    /// See [`Stream::step`].
+    pub step: U32,
+    /// See [`Stream::index`].
+    pub index: U32,
+    /// Next dimension.
+    pub dim: U32,
+    /// Does it belong together with the first numbers of the vertex before, which led here? So do those of a light.
+    pub is_second: Bool,
+}
+impl_staged!(Rng { start, step, index, dim, is_second });
+
+impl Rng {
+    /// The first position of a sample's own stream.
+    pub fn new(seed: U32, pixel: U32, sample: U32) -> Rng {
+        let Stream { start, step, index } = Stream::keyed(seed, pixel, sample);
+        Rng { start, step, index, dim: 0.into(), is_second: false.into() }
+    }
+
+    /// The hash of this position.
     pub fn word(self) -> U32 {
         hash(self.start + self.dim * self.step)
-    }
-
-    /// A number in [0, 1) and the position after it.
-    pub fn next(self) -> (F32, Rng) {
-        (uniform(self.word()), Rng { dim: self.dim + 1u32, ..self })
-    }
-
-    /// So many words, all bits of them random, and the position after them.
-    pub fn words<const N: usize>(self) -> ([U32; N], Rng) {
-        (std::array::from_fn(|i| self.ahead(i as u32).word()), self.ahead(N as u32))
-    }
-
-    /// A number in [0, 1) for `thing`, the same whenever and however often it is asked for at this position.
-    pub fn of(self, thing: U32) -> F32 {
-        uniform(hash(self.word() ^ thing))
     }
 
     /// The position so many dimensions further on.
     pub fn ahead(self, dimensions: u32) -> Rng {
         Rng { dim: self.dim + dimensions, ..self }
-    }
-
-    /// The block of dimensions of path vertex `vertex` (the camera is 0), from `dim` on.
-    pub fn vertex(self, vertex: U32, dim: u32) -> Rng {
-        Rng { dim: vertex * DIMENSIONS_PER_VERTEX + dim, ..self }
     }
 }
 

@@ -66,9 +66,10 @@ pub struct Ahead<'t> {
 }
 
 impl<'t> Ahead<'t> {
-    /// None if it would not pay: it does where light comes from a large environment.
+    /// None if it would not pay: it does where light comes from a large environment, and is drawn by independent numbers.
     pub fn new(tables: &'t Tables, needs: Needs) -> Option<Ahead<'t>> {
-        let sky = Sky::new(tables).filter(|sky| needs.environment && sky.texels.len() > FEW)?;
+        let is_sobol = tables.memory[binding::<Sampling>()].words[Sampling::IS_SOBOL.0 as usize] != 0;
+        let sky = Sky::new(tables).filter(|sky| needs.environment && sky.texels.len() > FEW && !is_sobol)?;
         let words = |table: usize| &tables.memory[table].words[..];
         let vertices = words(binding::<Vertices>()).len();
         let mut corners = corners().map(words);
@@ -105,8 +106,8 @@ impl<'t> Ahead<'t> {
     }
 }
 
-/// The four texels, row by row of the map, that light sampling by these random numbers (the record `Rng`) reads of an
-/// environment; none if the scene has none.
+/// The four texels, row by row of the map, that light sampling by these random numbers (start, step and dimension of an
+/// `Rng`) reads of an environment; none if the scene has none.
 pub fn texels(tables: &Tables, [start, step, dim]: [u32; 3]) -> Option<[usize; 4]> {
     let sky = Sky::new(tables)?;
     Some(sky.texels(sky.draw_row(words(start, step, dim))))

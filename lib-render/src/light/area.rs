@@ -92,8 +92,7 @@ impl Seen {
 
 fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
     let draw = move |rng: Rng| {
-        let (u, rng) = rng.next();
-        let (v, rng) = rng.next();
+        let ([u, v], rng) = rng.pair();
         (vec2(u, v), rng)
     };
     let sample_direct = Fun::lam(move |b: &mut Block, (rng, point): (Rng, Vec3)| {
@@ -125,8 +124,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
     let sample_emission = Fun::lam(move |b: &mut Block, rng: Rng| {
         let (square, rng) = draw(rng);
         let weights = shape.uniform(square);
-        let (u, rng) = rng.next();
-        let (v, rng) = rng.next();
+        let ([u, v], rng) = rng.pair();
         let (side, _) = rng.next();
         let place = Place::new(row, weights);
         let both = row.get(Lights::DOUBLE_SIDED);

@@ -67,8 +67,7 @@ fn pdf_dir(density: F32, sin_theta: F32) -> F32 {
 /// For light from infinitely far away that comes from `from` (unit): a point of the disk that the scene's bounding sphere
 /// fills, outside of the scene, and its density per square metre, the choice of the light included.
 pub fn behind_scene(row: Row<Lights>, rng: Rng, from: Vec3) -> (Vec3, F32) {
-    let (u, rng) = rng.next();
-    let (v, _) = rng.next();
+    let ([u, v], _) = rng.pair();
     let disk = concentric_disk(vec2(u, v));
     let bounds = scene_bounds();
     let radius = row.get(Lights::SCENE_RADIUS);

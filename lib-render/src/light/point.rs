@@ -13,8 +13,7 @@ pub fn make_point_light(row: Row<Lights>) -> Light {
     Light {
         sample_direct: Fun::lam(move |_, (_, point): (Rng, Vec3)| sample_place(row, point, |_| strength(row))),
         sample_emission: Fun::lam(move |_, rng: Rng| {
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             EmissionSample {
                 pos: position(row),
                 dir: uniform_sphere(vec2(u, v)),

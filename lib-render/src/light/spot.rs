@@ -19,8 +19,7 @@ pub fn make_spot_light(row: Row<Lights>) -> Light {
     Light {
         sample_direct: Fun::lam(move |_, (_, point): (Rng, Vec3)| sample_place(row, point, |dir| intensity(row, dir))),
         sample_emission: Fun::lam(move |_, rng: Rng| {
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             let axis = first_edge(row);
             let opening = 1.0 - row.get(Lights::COS_OUTER);
             let local = uniform_cone(vec2(u, v), opening);

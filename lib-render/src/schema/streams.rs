@@ -49,7 +49,7 @@ macro_rules! paths {
                 /// See `RNG_START`.
                 RNG_STEP: U32;
                 /// See `RNG_START`.
-                RNG_DIM: U32;
+                RNG_INDEX: U32;
                 /// See `RNG_START`.
                 VERTEX: U32;
                 /// See `RNG_START`.

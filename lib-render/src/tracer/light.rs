@@ -15,7 +15,7 @@ use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
 
 use crate::core::color::{Color, black, read_color};
-use crate::core::rng::{DIM_BSDF, DIM_ROULETTE, Rng};
+use crate::core::rng::{DIM_BSDF, DIM_ROULETTE, Stream};
 use crate::core::vec::{Vec3, vec3};
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
@@ -85,9 +85,9 @@ impl_staged!(Emitted { light, ray, state, cos, pdf_area, pdf_dir });
 pub(super) fn emit(b: &mut Block, (x, y, sample): (U32, U32, U32)) -> Emitted {
     let frame = Row::<Frame>::at(0u32);
     let pixel = y * frame.get(Frame::WIDTH) + x;
-    let rng = Rng::new(frame.get(Frame::SEED) ^ LIGHT_STREAM, pixel, sample);
+    let rng = Stream::of(frame.get(Frame::SEED) ^ LIGHT_STREAM, pixel, sample);
     let drawn = |b: &mut Block| {
-        let (u, rng) = rng.next();
+        let (u, rng) = rng.vertex(0.into(), 0).next();
         let index = choose_light(b, u);
         (index, with_light(b, index, |b, light| light.sample_emission.call(b, rng)))
     };

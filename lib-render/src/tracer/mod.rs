@@ -29,7 +29,7 @@ use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Never, Row, Staged, U32};
 use crate::bsdf::frame::Side;
 use crate::camera::CameraFn;
 use crate::core::color::{Color, black, read_color, white};
-use crate::core::rng::Rng;
+use crate::core::rng::Stream;
 use crate::geometry::{Frame3, SurfaceElement};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
@@ -39,7 +39,7 @@ use crate::schema::{Frame, Settings};
 #[derive(Clone, Copy)]
 pub struct RayState {
     /// Random numbers of this sample.
-    pub rng: Rng,
+    pub rng: Stream,
     /// Number of the vertex this ray leads to: 1 is what the camera sees.
     pub vertex: U32,
     /// Product of the weights so far.
@@ -99,7 +99,7 @@ pub struct Tracer<S: Staged = RayState, L: Staged = Color> {
 pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -> (Ray, RayState) {
     let frame = Row::<Frame>::at(0u32);
     let pixel = y * frame.get(Frame::WIDTH) + x;
-    let rng = Rng::new(frame.get(Frame::SEED), pixel, sample);
+    let rng = Stream::of(frame.get(Frame::SEED), pixel, sample);
     let around = read_color(frame, [Frame::ABSORPTION_R, Frame::ABSORPTION_G, Frame::ABSORPTION_B]);
     let state = RayState {
         rng,

@@ -45,9 +45,9 @@ impl Random {
 }
 
 /// The words of an `Rng`: a random stream of its own for each `key`, at dimension 0.
-pub fn stream(key: u32) -> [u32; 3] {
+pub fn stream(key: u32) -> [u32; 5] {
     let bits = Random(key.into()).bits();
-    [bits as u32, (bits >> 32) as u32, 0]
+    [bits as u32, (bits >> 32) as u32, 0, 0, 0]
 }
 
 /// How much to test: the variable of this name, or the size that is quick.

@@ -192,7 +192,7 @@ impl LightProbe {
 
     /// The light that the tree draws for a point by the numbers of a key, and its probability.
     pub fn choose_by_tree(&mut self, key: u32, point: V) -> (usize, f32) {
-        let args = [stream(key), self.place(point).map(f32::to_bits)].concat();
+        let args = [&stream(key)[..], &self.place(point).map(f32::to_bits)].concat();
         let out = self.bench.run("choose by tree", &args);
         (out[0] as usize, f32::from_bits(out[1]))
     }
@@ -207,7 +207,7 @@ impl LightProbe {
 
     /// Light sampling at a point in the air by the numbers of a key; `both`: by the interpreter too, to the same bits.
     pub fn sample(&mut self, key: u32, point: V, both: bool) -> Drawn {
-        let args = [stream(key), self.place(point).map(f32::to_bits)].concat();
+        let args = [&stream(key)[..], &self.place(point).map(f32::to_bits)].concat();
         let out = if both { self.bench.run_both("sample", &args) } else { self.bench.run("sample", &args) };
         let [x, y, z, _, _, _, distance, _, radiance, _, pdf] = floats(&out);
         Drawn { wi: [x, y, z], distance, radiance, pdf, is_delta: out[11] != 0, is_blocked: out[14] != 0 }

@@ -12,6 +12,7 @@
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
 //! - [`streams`]: random numbers, asked for in bulk, and what is counted in them.
+//! - [`points`]: the points of the Sobol sampler.
 //! - [`hostile`]: triangles that are hard on the builder of trees.
 //! - [`many`]: scenes with any number of materials, shaders, lights and textures.
 //! - [`metamorphic`]: changes of scenes that keep the image, or scale it.
@@ -39,5 +40,6 @@ pub mod quadrature;
 pub mod rays;
 pub mod stats;
 pub mod streams;
+pub mod points;
 pub mod sweep;
 pub mod warps;

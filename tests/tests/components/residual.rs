@@ -35,7 +35,7 @@ fn residual(structure: &[(u32, Lit)]) -> Program {
     };
     let tables = generic.program().buffers.iter().map(|b| match &*b.name {
         "Materials" => known("Materials", structure),
-        "Settings" => known("Settings", &[]),
+        "Settings" | "Sampling" => known(&b.name, &[]),
         _ => TableFacts::default(),
     });
     let facts = Facts { tables: tables.collect() };

@@ -1,7 +1,7 @@
 //! Textures in their hard cases: borders, one texel, coordinates that are huge or no numbers, colour spaces.
 
 use jerboa_ir::lang::{Fun, Row, U32, entry};
-use jerboa_lib_render::core::rng::Rng;
+use jerboa_lib_render::core::rng::Stream;
 use jerboa_lib_render::core::vec::{Vec2, vec2};
 use jerboa_lib_render::cutout::is_there;
 use jerboa_lib_render::image::Texel;
@@ -152,9 +152,9 @@ fn alpha_decides_whether_a_surface_is_there() {
         entry(
             "is_there",
             Fun::<U32, _>::lam(|b, key| {
-                let rng = Rng::new(0.into(), 0.into(), key);
+                let stream = Stream::keyed(0.into(), 0.into(), key);
                 let at = ([vec2(0.0, 0.0); 2], 1.0.into());
-                is_there(b, Row::<Materials>::at(0u32), at, rng, 1u32.into(), 7u32.into())
+                is_there(b, Row::<Materials>::at(0u32), at, stream, 1u32.into(), 7u32.into())
             }),
         );
     });

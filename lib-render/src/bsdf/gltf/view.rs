@@ -221,8 +221,7 @@ impl View {
     /// sample failed: the density there is that of other microfacets.
     fn sample_rough(self, b: &mut Block, rng: Rng) -> (Vec3, Bool) {
         let (rough, values) = (self.rough(), self.values);
-        let (u, rng) = rng.next();
-        let (v, rng) = rng.next();
+        let ([u, v], rng) = rng.pair();
         let (choice, _) = rng.next();
         let h = rough.sample_normal(vec2(u, v));
         let mirrored = rough.reflected(h);

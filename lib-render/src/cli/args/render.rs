@@ -46,6 +46,13 @@ pub struct RenderArgs {
     /// Longest path in edges: 1 sees lights, 2 adds direct light [default: unlimited]
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
+    /// How random numbers are drawn
+    #[arg(long, value_name = "SAMPLER", value_enum, default_value_t)]
+    pub sampler: SamplerArg,
+    /// Independent sequences that the Sobol points of a pixel come from: 1, 2, 4, …; by more than one the variance is known, by
+    /// fewer it is less
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = power_of_two)]
+    pub scrambles: u32,
     /// Another seed gives another, independent image
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u32,

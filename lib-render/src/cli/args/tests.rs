@@ -35,13 +35,13 @@ fn render_alone_renders_the_default_scene() {
     assert_eq!((args.scene.as_str(), args.output, args.spp), (DEFAULT_SCENE, "out.png".into(), 64));
     assert_eq!((args.known, args.shown.tracer), (KnownArg::Structure, TracerArg::Path));
     assert_eq!((args.rr_depth, args.rr_cap, args.max_depth), (3, 1.0, None));
-    assert_eq!(args.shading_normals, ShadingNormalsArg::Consistent);
+    assert_eq!((args.shading_normals, args.sampler), (ShadingNormalsArg::Consistent, SamplerArg::Independent));
 }
 
 #[test]
 fn every_word_of_render_is_understood() {
     let args: RenderArgs = parse(
-        "a.glb -o b.exr --spp 16 --width 40 --height 30 --max-depth 16 --seed 7 --known all --device cpu \
+        "a.glb -o b.exr --spp 16 --width 40 --height 30 --max-depth 16 --seed 7 --sampler sobol --scrambles 4 --known all --device cpu \
          --tracer depth --camera Main --shading-normals free --env sky.hdr --env-rotation -90 --env-strength 2 \
          --scene 1 --variant night --time -0.5 --animation walk --aperture 0.5 --focus 3 --rr-depth 5 --rr-cap 0.95 --crop 1,2,3,4 --exposure -1.5 --threads 2 --time-limit 10 --json",
     )
@@ -55,7 +55,9 @@ fn every_word_of_render_is_understood() {
     let select = args.select;
     assert_eq!((select.scene_of_file.as_deref(), select.variant.as_deref()), (Some("1"), Some("night")));
     assert_eq!((select.time, select.animation.as_deref()), (Some(-0.5), Some("walk")));
-    assert!(args.json && args.camera.as_deref() == Some("Main"));
+    assert!(
+        args.json && (args.sampler, args.scrambles) == (SamplerArg::Sobol, 4) && args.camera.as_deref() == Some("Main")
+    );
 }
 
 #[test]
@@ -87,6 +89,8 @@ fn values_without_a_meaning_are_refused() {
         "--known some",
         "--threads 0",
         "--rr-depth 0",
+        "--scrambles 0",
+        "--scrambles 6",
         "--max-depth 0",
         "--time inf",
         "--animation walk",

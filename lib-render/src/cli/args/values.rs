@@ -40,6 +40,16 @@ pub enum TraversalArg {
     Ir,
 }
 
+/// How random numbers are drawn (the image is the same on average).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum SamplerArg {
+    /// Each by itself
+    #[default]
+    Independent,
+    /// Sobol points with Owen's scrambling: the samples of a pixel fill the space of their numbers evenly
+    Sobol,
+}
+
 /// How shading normals may differ from the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ShadingNormalsArg {
@@ -115,6 +125,14 @@ pub(in crate::cli) fn finite_not_negative(text: &str) -> Result<f32, String> {
 /// `text` as a probability above 0: a cap of 0 would end every path.
 pub(in crate::cli) fn probability(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|x| *x > 0.0 && *x <= 1.0).ok_or_else(|| "expected a number above 0, at most 1".into())
+}
+
+/// `text` as a power of two.
+pub(in crate::cli) fn power_of_two(text: &str) -> Result<u32, String> {
+    text.parse()
+        .ok()
+        .filter(|n: &u32| n.is_power_of_two())
+        .ok_or_else(|| "expected a power of two: 1, 2, 4, 8, …".into())
 }
 
 /// `text` as a moment in seconds.

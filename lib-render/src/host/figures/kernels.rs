@@ -50,7 +50,7 @@ jerboa_ir::stream! {
         NORMAL_Y: F32;
         /// See [`Asked::NORMAL_X`].
         NORMAL_Z: F32;
-        /// The record `Rng`.
+        /// Of an `Rng`.
         START: U32;
         /// See [`Asked::START`].
         STEP: U32;
@@ -98,7 +98,8 @@ fn viewer(b: &mut Block, i: U32) -> Vec3 {
 /// What a path tracer asks of a surface: the light from one direction, and another direction to go on.
 fn scatter(b: &mut Block, i: U32, bsdf: Bsdf, normal: Vec3) {
     let (wo, light) = (viewer(b, i), load_vector(b, [Asked::LIGHT_X, Asked::LIGHT_Y, Asked::LIGHT_Z], i));
-    let rng: Rng = b.load_record(Asked::START, i);
+    let (start, step, dim): (U32, U32, U32) = b.load_record(Asked::START, i);
+    let rng = Rng { start, step, index: 0.into(), dim, is_second: false.into() };
     let lit: Color = bsdf.eval.call(b, (light, wo)) * normal.dot(light).abs();
     let next = bsdf.sample.call(b, (rng, wo));
     b.store_record(Shaded::R, i, (lit + next.weight, next.wi));

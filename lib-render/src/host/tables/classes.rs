@@ -9,12 +9,12 @@ use jerboa_peval::{ColumnFacts, Facts, TableFacts, Target};
 
 use super::memory::Memory;
 use crate::host::device::MOST_CLASSES;
-use crate::schema::{BUFFERS, Geometries, Models, binding};
+use crate::schema::{BUFFERS, Geometries, Models, Sampling, binding};
 
 /// What a specialisation knows of the scene.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
 pub enum Known {
-    /// Nothing but which components it names: a renderer for every scene of them, which dispatches at run time.
+    /// Nothing but which components there are: a renderer for every scene of them, which dispatches at run time.
     Nothing,
     /// Kinds, flags and presences: a changed number needs no compilation.
     #[default]
@@ -60,13 +60,14 @@ pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Fac
     Facts { tables: BUFFERS.iter().enumerate().map(|(b, s)| facts(b, s, memory, &classes, known)).collect() }
 }
 
-/// What is known where nothing is: which components the scene names.
+/// What is known where nothing is: which components the scene names, and the sampler.
 fn components(memory: &[Arc<Memory>]) -> Facts {
-    let models = binding::<Models>();
     let mut classes = vec![Vec::new(); BUFFERS.len()];
-    classes[models] = partition(models, &BUFFERS[models], memory, &classes, Known::Structure);
     let mut tables = vec![TableFacts::default(); BUFFERS.len()];
-    tables[models] = facts(models, &BUFFERS[models], memory, &classes, Known::Structure);
+    for b in [binding::<Models>(), binding::<Sampling>()] {
+        classes[b] = partition(b, &BUFFERS[b], memory, &classes, Known::Structure);
+        tables[b] = facts(b, &BUFFERS[b], memory, &classes, Known::Structure);
+    }
     Facts { tables }
 }
 

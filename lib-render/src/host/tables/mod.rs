@@ -3,7 +3,7 @@
 //! A scene enters the program here and nowhere else: as memory, and as the classes of its rows. In reading order:
 //!
 //! * [`memory`]: typed rows over words,
-//! * [`camera`]: the kinds of cameras,
+//! * [`camera`]: the kinds of cameras, [`sampling`]: those of samplers,
 //! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`]: what each table holds,
 //! * [`media`]: what a camera or a light lies in,
 //! * [`sharing`], [`placing`]: instances that share the triangles of their mesh,
@@ -11,6 +11,7 @@
 //! * [`classes`]: which rows are alike, as far as a level of knowledge tells.
 
 pub mod camera;
+pub mod sampling;
 pub mod memory;
 pub mod textures;
 pub mod materials;
@@ -38,6 +39,7 @@ pub use camera::CameraKind;
 pub use classes::Known;
 use media::{Absorption, Media};
 use memory::{Memory, Table};
+pub use sampling::SamplerKind;
 use tree::SceneTree;
 
 use crate::host::bvh::{Bounds, Dropped};
@@ -72,6 +74,8 @@ pub struct Choices {
     /// Sample lamps uniformly by solid angle, not by area: the same image on average, and less noise where a lamp is near and
     /// large.
     pub solid_angle: bool,
+    /// How random numbers are drawn.
+    pub sampler: SamplerKind,
 }
 
 impl Default for Choices {
@@ -86,6 +90,7 @@ impl Default for Choices {
             camera: None,
             most_copies: sharing::MOST_COPIES,
             solid_angle: false,
+            sampler: SamplerKind::default(),
         }
     }
 }
@@ -207,6 +212,7 @@ impl Tables {
 
         let camera = choices.camera.unwrap_or_else(|| CameraKind::of_scene(scene));
         put(binding::<Settings>(), settings(scene, choices, camera, [lights.count, lights.in_tree], instance_count));
+        put(binding::<Sampling>(), choices.sampler.row());
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
@@ -278,6 +284,7 @@ impl Tables {
             (counts, new.marks) = ([lights.count, lights.in_tree], lights.marks);
         }
         new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, counts, instance_count));
+        new.memory[binding::<Sampling>()] = Arc::new(choices.sampler.row());
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
         new
     }
