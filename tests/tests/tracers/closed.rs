@@ -124,6 +124,30 @@ fn closed_forms_of_light_in_what_absorbs() {
     assert_eq!(faults, [""; 0]);
 }
 
+/// Infinitely far is farther than light comes through what absorbs, by chance and asked for: under a sheet whose inside has
+/// no end, a floor and the sky beyond it are black.
+#[test]
+fn nothing_comes_from_afar_through_what_absorbs() {
+    let sky = Environment { width: 2, height: 1, radiance: vec![[1.0; 3]; 2], intensity: 1.0, rotation_deg: 0.0 };
+    for (sheet, expected) in [
+        (Material::glass("air", 1.0), [true, true]),
+        (absorbing(Material::glass("fog", 1.0), 1.0, [0.5; 3]), [false, false]),
+    ] {
+        let mut scene = Scene { environment: Some(sky.clone()), ..Scene::default() };
+        let wide = |corner: Vec3| rectangle(corner, Vec3::Z * 8.0, Vec3::X * 8.0);
+        place(&mut scene, wide(Vec3::new(-4.0, 1.0, -4.0)), sheet, 1.0, DVec3::ZERO);
+        place(&mut scene, wide(Vec3::new(-8.0, 0.0, -4.0)), Material::diffuse("floor", [0.5; 3]), 1.0, DVec3::ZERO);
+        let look = Look::whole(Camera::look_at("down", DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.0, 0.0, 1e-3), 0.9));
+        for tracer in [TracerKind::Path, TracerKind::Bidirectional] {
+            // Two edges end behind the sheet; three ask the sky from the floor, which sees it from the side alone.
+            let choices = Choices { max_depth: Some(3), ..Choices::default() };
+            let seen = image(&renderer(&scene, tracer, choices), &look.camera, look.size, 16, 1);
+            let lit = |x: u32| (0..16).any(|y| seen.pixels[(y * 16 + x) as usize][0] > 0.0);
+            assert_eq!([lit(2), lit(13)], expected, "{}", tracer.kernel());
+        }
+    }
+}
+
 /// T19. A room in a world of a million: a sky, a sun, a lamp close to the wall, and glowing walls a hair behind.
 #[test]
 fn nothing_comes_through_a_closed_wall() {
