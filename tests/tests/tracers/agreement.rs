@@ -28,8 +28,10 @@ const RENDERS: [u32; 2] = [16, 32];
 const BOTH_SIDES: [TracerKind; 1] = [TracerKind::Bidirectional];
 
 /// What the quick form leaves out: it is like another scene, or light so rare that 225 paths a block say nothing of their spread.
-const LONG: [&str; 11] = [
+const LONG: [&str; 14] = [
+    "cornell-box, matched",
     "diffuse ball",
+    "plastic ball",
     "coarse plastic ball",
     "coarse metal ball",
     "mirrored normal map",
@@ -38,6 +40,7 @@ const LONG: [&str; 11] = [
     "spot light",
     "sun",
     "sky",
+    "sky and lamp",
     "at most 2 edges",
     "at most 4 edges",
 ];

@@ -93,6 +93,8 @@ fn closed_forms_of_light_in_what_absorbs() {
     );
     let mut point = room;
     point.lights = vec![light(LightKind::Point, 1.0, HEIGHT)];
+    // In the box around this clear bead, but not in it.
+    place(&mut point, sphere(1), Material::glass("bead", 1.0), 0.2, DVec3::new(0.14, HEIGHT + 0.17, 0.15));
     let points = vec![(DVec3::Y * HEIGHT, 1.0)];
     let part = |i: i32| (f64::from(i % 8) - 3.5, f64::from(i / 8) - 3.5);
     let parts: Vec<_> =
