@@ -511,6 +511,33 @@ fn every_error_is_one_readable_line() {
     assert_eq!(desk.files(), ["folder.png", "hello.glb"], "a failed command leaves nothing behind");
 }
 
+/// A built-in scene has nothing to choose among, so each word comes back with a complaint.
+#[test]
+fn every_command_that_loads_a_scene_takes_the_words_that_choose_within_a_file() {
+    let desk = Desk::new();
+    let commands = [
+        "render",
+        "dump --stage generic",
+        "time",
+        "explain",
+        "trace --pixel 0,0 --sample 0",
+        "bench rays",
+        "bench edits",
+        "bench devices",
+        "bench table-2",
+        "bench figure-2",
+        "bench figure-5",
+    ];
+    for command in commands {
+        for (words, noun) in
+            [("--scene x", "scene"), ("--variant x", "variant"), ("--time 0.5 --animation x", "animation")]
+        {
+            let line = desk.error(&format!("{command} builtin:empty {words}"));
+            assert_eq!(line, format!("{noun} \"x\": there is no {noun} to choose; leave the name out"), "{command}");
+        }
+    }
+}
+
 #[test]
 fn a_failed_write_leaves_the_old_file() {
     let desk = Desk::new();

@@ -10,9 +10,9 @@ use crate::host::figures::devices::{DEVICES, measure};
 
 /// Measures and tells the speed of each device, how far it is off, and what ran it.
 pub(super) fn run(args: &BenchDevicesArgs) -> Result<String, Error> {
-    let (mut groups, mut remarks) = (Vec::new(), vec![devices::what_runs_kernels()]);
+    let (mut groups, mut remarks) = (Vec::new(), Vec::new());
     for path in figures::names(&args.rendered.scenes) {
-        let scene = scene::load(path)?.0;
+        let scene = scene::load(path, &args.rendered.select)?.0;
         let job = args.rendered.job(&scene);
         let outcome = in_pool(args.threads, || measure(&scene, &job))?;
         groups.push(outcome.group);
@@ -24,6 +24,7 @@ pub(super) fn run(args: &BenchDevicesArgs) -> Result<String, Error> {
     }
     let series = DEVICES.map(|(_, name)| name.to_string()).into();
     let chart = Chart { title: "Whole renders".into(), unit: "Msamples/s", stacked: false, series, groups };
+    remarks.insert(0, devices::what_runs_kernels());
     remarks.extend(verdicts(&chart));
     let charts = [chart];
     Ok(match args.json {

@@ -84,7 +84,7 @@ pub(super) fn run(args: &EditsArgs) -> Result<String, Error> {
 }
 
 fn measure(args: &EditsArgs) -> Result<String, Error> {
-    let (scene, _) = load(&args.scene)?;
+    let (scene, _) = load(&args.scene, &args.select)?;
     let Some(number) = scene.materials.iter().position(|m| !m.is_emissive()) else {
         return Err(Error::new(format!("{}: there is no material to edit that does not shine", args.scene)));
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::args::SelectArgs;
 use super::scene;
 use crate::host::efficiency::contestant::{Contestant, Ours};
 use crate::host::efficiency::page::page;
@@ -70,7 +71,8 @@ pub(super) fn run(args: &ErrorArgs) -> Result<String, Error> {
     }
     let mut measurements: Vec<Measurement> = Vec::new();
     for path in &args.scenes {
-        let (scene, _) = scene::load(path)?;
+        // For its size. What of the file is shown is for the words of each contestant to say.
+        let (scene, _) = scene::load(path, &SelectArgs::default())?;
         let size = scene::film_size(&scene.camera_or_default(), args.width, args.height);
         drop(scene);
         let job = Job {

@@ -7,6 +7,7 @@ use clap::Args;
 use jerboa_scenes::Scene;
 use serde_json::{Map, Value, json};
 
+use super::args::SelectArgs;
 use super::{in_pool, scene};
 use crate::host::error::Error;
 use crate::host::figures::peer::Peer;
@@ -35,6 +36,9 @@ pub struct RenderedArgs {
     /// .gltf or .glb files, or builtin:NAME [default: some built-in scenes]
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
+    /// Of each file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// Width of the film in pixels [default: the camera's extras.width, else 1280]
     #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub width: Option<u32>,
@@ -62,7 +66,7 @@ pub struct Table2Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Compare with Mitsuba 3, which this Python has (.glb files only)
-    #[arg(long, value_name = "PYTHON")]
+    #[arg(long, value_name = "PYTHON", conflicts_with_all = ["scene_of_file", "variant", "time"])]
     pub peer: Option<PathBuf>,
     /// Width of the peer's vectors [default: its best]
     #[arg(long, value_name = "4|8|16", requires = "peer", value_parser = lanes)]
@@ -114,6 +118,9 @@ pub struct Figure5Args {
     /// .gltf or .glb files, or builtin:NAME [default: some built-in scenes]
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
+    /// Of each file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// Rounds in which all take turns
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rounds: u32,
@@ -135,7 +142,7 @@ pub(super) fn table_2(args: &Table2Args) -> Result<String, Error> {
     tell(&args.output, || {
         let mut groups = Vec::new();
         for path in names(&args.rendered.scenes) {
-            let scene = scene::load(path)?.0;
+            let scene = scene::load(path, &args.rendered.select)?.0;
             let job = args.rendered.job(&scene);
             let python = args.peer.as_ref().filter(|_| path.ends_with(".glb"));
             let mut peer =
@@ -156,7 +163,7 @@ pub(super) fn table_2(args: &Table2Args) -> Result<String, Error> {
 pub(super) fn figure_2(args: &Figure2Args) -> Result<String, Error> {
     tell(&args.output, || {
         let load = |path| {
-            let scene = scene::load(path)?.0;
+            let scene = scene::load(path, &args.rendered.select)?.0;
             let job = args.rendered.job(&scene);
             Ok((scene, job))
         };
@@ -178,7 +185,7 @@ pub(super) fn figure_4(args: &BatchArgs) -> Result<String, Error> {
 /// Figure 5.
 pub(super) fn figure_5(args: &Figure5Args) -> Result<String, Error> {
     tell(&args.output, || {
-        let scenes = names(&args.scenes).into_iter().map(|path| Ok(scene::load(path)?.0));
+        let scenes = names(&args.scenes).into_iter().map(|path| Ok(scene::load(path, &args.select)?.0));
         let scenes = scenes.collect::<Result<Vec<_>, Error>>()?;
         in_pool(args.threads, || figure_5::measure(&scenes, args.rounds))
     })

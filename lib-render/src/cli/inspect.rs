@@ -7,7 +7,7 @@ use jerboa_ir::{Program, print};
 use jerboa_peval::Residual;
 
 use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg};
-use super::scene::{load, load_selected};
+use super::scene::load;
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::generate::{Keep, Request, TracerKind, generate, generic_of, residual};
@@ -16,7 +16,7 @@ use crate::host::tables::{Choices, Tables};
 
 /// The text of a stage, one kernel after the other. The generic program and the residual of one kernel read back.
 pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
-    let (scene, _) = load_selected(&args.scene, &args.select)?;
+    let (scene, _) = load(&args.scene, &args.select)?;
     let tables = Tables::new(&scene, &Choices::default(), args.known.into());
     let on_gpu = matches!(args.stage, StageArg::Structured | StageArg::Naga | StageArg::Spirv);
     let device = if on_gpu { DeviceKind::GpuWavefront } else { DeviceKind::default() };
@@ -65,7 +65,7 @@ fn in_lanes(residual: &Program) -> Result<String, Error> {
 
 /// The evaluator's log of decisions.
 pub(super) fn explain(args: &ExplainArgs) -> Result<String, Error> {
-    let (scene, _) = load(&args.scene)?;
+    let (scene, _) = load(&args.scene, &args.select)?;
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
     let mut text = String::new();
     for kernel in kernels(&tables, DeviceKind::default(), args.kernel.as_deref())? {

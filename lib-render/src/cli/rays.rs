@@ -11,7 +11,7 @@ use crate::host::rays::{RayBench, Speed};
 
 /// Traces the sets of rays of a scene and returns the table.
 pub(super) fn run(args: &RaysArgs) -> Result<String, Error> {
-    let (scene, _) = scene::load(&args.scene)?;
+    let (scene, _) = scene::load(&args.scene, &args.select)?;
     let bench = RayBench::new(&scene, &scene.camera_or_default(), args.side, args.traversal.into())?;
     if let Some(folder) = &args.write {
         bench.write(folder)?;

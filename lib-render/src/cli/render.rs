@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::args::{DeviceArg, RenderArgs};
 use super::in_pool;
-use super::scene::{camera, choices, film_size, lens, load_selected, set_environment};
+use super::scene::{camera, choices, film_size, lens, load, set_environment};
 use crate::host::aov::channels;
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
@@ -33,7 +33,7 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
     if !args.shown.aov.is_empty() {
         Image::check_layers(&args.output)?;
     }
-    let (mut scene, load_time) = load_selected(&args.scene, &args.select)?;
+    let (mut scene, load_time) = load(&args.scene, &args.select)?;
     set_environment(&mut scene, args)?;
     let camera = lens(camera(&scene, args.camera.as_deref())?, args)?;
     let size = film_size(&camera, args.width, args.height);

@@ -45,13 +45,8 @@ impl From<DeviceArg> for DeviceKind {
     }
 }
 
-/// Load a scene whose models are all there, say its warnings on stderr, and how long it took.
-pub fn load(path: &str) -> Result<(Scene, Duration), Error> {
-    load_selected(path, &SelectArgs::default())
-}
-
-/// As [`load`], of a file that holds more than one.
-pub fn load_selected(path: &str, select: &SelectArgs) -> Result<(Scene, Duration), Error> {
+/// Load what is asked for of a file whose models are all there, say its warnings on stderr, and how long it took.
+pub fn load(path: &str, select: &SelectArgs) -> Result<(Scene, Duration), Error> {
     let SelectArgs { scene_of_file, variant, time, animation } = select.clone();
     let selection = Selection { scene: scene_of_file, variant, time, animation };
     let start = Instant::now();

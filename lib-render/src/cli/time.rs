@@ -18,7 +18,7 @@ pub(super) fn run(args: &TimeArgs) -> Result<String, Error> {
     let device = DeviceKind::from(args.device);
     // What is built once for all scenes is not charged to this one.
     generic_of(device, TracerKind::Path);
-    let (scene, load) = load(&args.scene)?;
+    let (scene, load) = load(&args.scene, &args.select)?;
     let start = Instant::now();
     let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
     let load = load + start.elapsed().saturating_sub(tables.bvh_time);

@@ -18,7 +18,7 @@ use crate::host::tables::Pass;
 /// Follow the path of a sample: each function that is entered with its numbers, the first value that is not finite, the
 /// radiance, and the radiance by machine code.
 pub(super) fn run(args: &TraceArgs) -> Result<String, Error> {
-    let (scene, _) = load(&args.scene)?;
+    let (scene, _) = load(&args.scene, &args.select)?;
     let camera = camera(&scene, None)?;
     let size = film_size(&camera, None, None);
     let [x, y] = args.pixel.0;

@@ -1,6 +1,6 @@
 //! The words of `jerboa bench`.
 
-use super::DEFAULT_SCENE;
+use super::{DEFAULT_SCENE, SelectArgs};
 use super::values::TraversalArg;
 use crate::cli::efficiency::ErrorArgs;
 use crate::cli::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, Table2Args};
@@ -95,6 +95,9 @@ pub struct RaysArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// Who traces them
     #[arg(long, value_name = "WALK", value_enum, default_value_t)]
     pub traversal: TraversalArg,
@@ -118,6 +121,9 @@ pub struct EditsArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// Edits of each kind
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rounds: u32,

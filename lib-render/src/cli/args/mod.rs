@@ -77,6 +77,9 @@ pub struct DumpArgs {
 pub struct TimeArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// For which device
     #[arg(long, value_name = "DEVICE", value_enum, default_value_t = DeviceArg::Cpu)]
     pub device: DeviceArg,
@@ -90,6 +93,9 @@ pub struct TimeArgs {
 pub struct ExplainArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// This kernel only [default: all]
     #[arg(long, value_name = "NAME")]
     pub kernel: Option<String>,
@@ -100,6 +106,9 @@ pub struct ExplainArgs {
 pub struct TraceArgs {
     /// A .gltf, .glb or .obj file, or builtin:NAME
     pub scene: String,
+    /// Of a file that holds more than one.
+    #[command(flatten)]
+    pub select: SelectArgs,
     /// Column and row of the pixel, from the top left
     #[arg(long, value_name = "X,Y")]
     pub pixel: PixelArg,

@@ -27,6 +27,9 @@ fn clap_finds_no_fault_in_the_declarations() {
     Only::<EditsArgs>::command().debug_assert();
     Only::<Table2Args>::command().debug_assert();
     Only::<Figure2Args>::command().debug_assert();
+    Only::<Figure5Args>::command().debug_assert();
+    Only::<RaysArgs>::command().debug_assert();
+    Only::<BenchDevicesArgs>::command().debug_assert();
 }
 
 #[test]
@@ -65,6 +68,7 @@ fn the_other_subcommands_parse() {
     let dump: DumpArgs = parse("a.glb --stage residual --kernel shade --known nothing").unwrap();
     assert_eq!((dump.stage, dump.known), (StageArg::Residual, KnownArg::Nothing));
     assert!(parse::<TimeArgs>("a.glb --json").unwrap().json);
+    assert_eq!(parse::<ExplainArgs>("a.glb --scene 1").unwrap().select.scene_of_file.as_deref(), Some("1"));
     assert_eq!(parse::<ExplainArgs>("a.glb --kernel shade").unwrap().kernel.as_deref(), Some("shade"));
     let trace: TraceArgs = parse("a.glb --pixel 120,80 --sample 3").unwrap();
     assert_eq!((trace.pixel, trace.sample), (PixelArg([120, 80]), 3));
@@ -99,4 +103,5 @@ fn values_without_a_meaning_are_refused() {
     }
     assert!(parse::<TraceArgs>("a.glb --pixel 1 --sample 0").is_err());
     assert!(parse::<CompareArgs>("ref.exr").is_err());
+    assert!(parse::<Table2Args>("a.glb --peer python3 --time 1").is_err(), "the peer shows a file as it is");
 }

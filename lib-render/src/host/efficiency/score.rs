@@ -76,8 +76,7 @@ pub fn errors(contestants: &[Vec<&[f32]>]) -> Vec<Score> {
             let few = kept.iter().filter(|kept| **kept).count().max(1) as f64;
             Errors { relative: relative / n, trimmed: trimmed / few, public: public / n, smape: smape / n }
         };
-        let light =
-            |film: &&[f32], above: f32| film.iter().filter(|x| **x > above).map(|x| f64::from(*x)).sum::<f64>();
+        let light = |film: &&[f32], above: f32| film.iter().filter(|x| **x > above).map(|x| f64::from(*x)).sum::<f64>();
         let all: f64 = films.iter().map(|film| light(film, f32::NEG_INFINITY)).sum();
         let bright: f64 = films.iter().map(|film| light(film, threshold)).sum();
         Score { runs: films.par_iter().map(run).collect(), bright: bright / all.max(f64::MIN_POSITIVE) }
