@@ -1,5 +1,5 @@
-//! Holes in surfaces: glTF's alpha modes, as part of intersection. A point of a surface that is not there is no hit,
-//! for a shadow ray either. Reads alpha only.
+//! Holes in surfaces: glTF's alpha modes, as part of intersection, and back faces where a render culls them. A point of a
+//! surface that is not there is no hit, for a shadow ray either. Reads alpha and the side only.
 
 use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 
@@ -51,11 +51,17 @@ pub fn is_there(
 /// Whether a hit of the ray that leads to vertex `state.vertex` counts. Two edges of one path need two vertices: with one,
 /// a card crossed on the way to a surface would be open on the way on.
 pub fn make_accept(state: RayState) -> AcceptFn {
-    AcceptFn::lam(move |b, (_, hit)| {
+    AcceptFn::lam(move |b, (ray, hit)| {
         let triangle = Triangle::of(b, hit);
         b.dispatch(triangle.geometry(), |b, row| {
-            let at = (triangle.uv(b, row), triangle.alpha(b, row));
-            is_there(b, row.get(Geometries::MATERIAL), at, state.rng, state.vertex, hit.primitive)
+            let material = row.get(Geometries::MATERIAL);
+            let is_behind = |_: &mut Block| triangle.plane().normal.dot(ray.dir).gt(0.0);
+            let is_culled = b.if_(material.get(Materials::CULLED), is_behind, |_| Bool::from(false));
+            let there = |b: &mut Block| {
+                let at = (triangle.uv(b, row), triangle.alpha(b, row));
+                is_there(b, material, at, state.rng, state.vertex, hit.primitive)
+            };
+            b.if_(is_culled, |_| Bool::from(false), there)
         })
     })
 }

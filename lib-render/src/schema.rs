@@ -54,7 +54,7 @@ table! {
         HAS_LIGHT_TREE: Bool, structure;
         /// Are area lights sampled by solid angle, not by area?
         BY_SOLID_ANGLE: Bool, structure;
-        /// Does any material cut holes (mask or blend)?
+        /// Does any material cut holes (mask or blend), or let rays through from behind?
         HAS_CUTOUTS: Bool, structure;
         /// Does any volume absorb?
         HAS_VOLUMES: Bool, structure;

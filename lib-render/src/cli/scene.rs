@@ -150,6 +150,7 @@ pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
             SamplerArg::Independent => SamplerKind::Independent,
             SamplerArg::Sobol => SamplerKind::Sobol { log_scrambles: args.scrambles.ilog2() },
         },
+        cull_back_faces: args.cull_back_faces,
         ..Choices::default()
     }
 }

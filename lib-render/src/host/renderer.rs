@@ -109,6 +109,9 @@ impl Device {
         if options.tracer.is_splatting() && tables.camera != CameraKind::Pinhole {
             return Err(Error::new("paths from lights end in pinholes only: choose another camera or tracer"));
         }
+        if options.tracer.is_splatting() && options.choices.cull_back_faces {
+            return Err(Error::new("back faces are culled for paths from the camera only: choose another tracer"));
+        }
         let requests = options.device.requests(tables, options.tracer);
         if options.device.is_gpu() {
             let machine = RealMachine::new(tables, &requests, options.keep)?;

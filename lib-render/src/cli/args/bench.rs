@@ -1,7 +1,7 @@
 //! The words of `jerboa bench`.
 
-use super::{DEFAULT_SCENE, SelectArgs};
 use super::values::TraversalArg;
+use super::{DEFAULT_SCENE, SelectArgs};
 use crate::cli::efficiency::ErrorArgs;
 use crate::cli::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, Table2Args};
 use clap::{Args, Subcommand};

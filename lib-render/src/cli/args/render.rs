@@ -86,6 +86,9 @@ pub struct RenderArgs {
     /// Sample lamps by solid angle in place of area: less noise where they are near and large, at up to 1.2 times the time
     #[arg(long)]
     pub solid_angle: bool,
+    /// Let rays through the backs of single-sided materials, as glTF asks of rasterisers [default: a surface is one from both sides]
+    #[arg(long)]
+    pub cull_back_faces: bool,
     /// Light the scene by this .hdr or .exr environment map, or by `sky:ELEVATION[,AZIMUTH[,TURBIDITY]]`, sun included
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,

@@ -14,8 +14,8 @@ use crate::schema::*;
 const IOR_OF_MIRROR: f32 = 1e6;
 
 /// One row for each material of the scene, in its order; a scene without materials has one row that nothing uses. Their models
-/// are of this list; one that [`super::models::check_models`] refuses is glTF's.
-pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> Memory {
+/// are of this list; one that [`super::models::check_models`] refuses is glTF's. `culls`: do rays pass through back faces?
+pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model], culls: bool) -> Memory {
     let mut table = Table::<M>::new();
     for m in &scene.materials {
         let rows = [
@@ -37,6 +37,7 @@ pub fn materials(scene: &Scene, textures: &mut Textures, models: &[Model]) -> Me
         row.set(M::SPECULAR_COLOR_TEXTURED, m.specular_color_texture.is_some()).set(M::SPECULAR_COLOR_TEXTURE, rows[5]);
         row.set(M::TRANSMISSION_TEXTURED, m.transmission_texture.is_some()).set(M::TRANSMISSION_TEXTURE, rows[6]);
         surface(&mut row, m);
+        row.set(M::CULLED, culls && can_be_culled(m));
         let (model, own) = resolve(m, models).unwrap_or_default();
         row.set(M::MODEL, model).set(M::NUMBERS, textures.numbers.place(&own));
         let parts = m.model.as_ref().and_then(|model| model.parts).filter(|_| model != 0);
@@ -118,6 +119,12 @@ fn absorption(m: &Material) -> [f32; 3] {
 /// Absorption coefficients inside, 1/m; none where the surface has no inside.
 pub fn inside(m: &Material) -> Option<[f32; 3]> {
     is_thick(m).then(|| absorption(m))
+}
+
+/// Does glTF say that nobody sees it from behind? Not of a boundary that light goes through, nor of models that are not glTF's.
+pub fn can_be_culled(m: &Material) -> bool {
+    let transmits = m.transmission > 0.0 || m.diffuse_transmission.is_some() || is_thick(m);
+    !m.double_sided && !transmits && m.model.is_none()
 }
 
 /// Does light get lost inside?

@@ -76,6 +76,10 @@ pub struct Choices {
     pub solid_angle: bool,
     /// How random numbers are drawn.
     pub sampler: SamplerKind,
+    /// Do rays pass through a surface that they meet from behind, if its material is single-sided, opaque to light and glTF's
+    /// own? So glTF has it for rasterisers; a surface then has another side for a ray than for the one back, so no path that
+    /// starts at a light can be followed.
+    pub cull_back_faces: bool,
 }
 
 impl Default for Choices {
@@ -91,6 +95,7 @@ impl Default for Choices {
             most_copies: sharing::MOST_COPIES,
             solid_angle: false,
             sampler: SamplerKind::default(),
+            cull_back_faces: false,
         }
     }
 }
@@ -160,7 +165,7 @@ impl Tables {
         let origin = geometry::origin(scene);
         let mut sharing = sharing::sharing(scene, origin, choices.most_copies);
         let shared = are_some(&sharing);
-        let cutouts = tree::cutouts(scene);
+        let cutouts = tree::cutouts(scene, choices);
         let mut start = Instant::now();
         let instanced = if shared.contains(&true) { sharing::tree(scene, origin, &sharing) } else { None };
         let tree = instanced.map(SceneTree::from).unwrap_or_else(|| {
@@ -175,7 +180,10 @@ impl Tables {
 
         // Materials and what they look up.
         let mut textures = textures::Textures::new(scene, components);
-        put(binding::<Materials>(), materials::materials(scene, &mut textures, components.models()));
+        put(
+            binding::<Materials>(),
+            materials::materials(scene, &mut textures, components.models(), choices.cull_back_faces),
+        );
         put(binding::<Parameters>(), std::mem::take(&mut textures.numbers).finish());
         put(binding::<Models>(), models::list(scene, components.models()));
         let images = textures.images().to_vec();
@@ -250,7 +258,10 @@ impl Tables {
         let components = self.library.components();
         let mut put = |binding: usize, m: Memory| new.memory[binding] = Arc::new(m);
         let mut textures = textures::Textures::new(scene, components);
-        put(binding::<Materials>(), materials::materials(scene, &mut textures, components.models()));
+        put(
+            binding::<Materials>(),
+            materials::materials(scene, &mut textures, components.models(), choices.cull_back_faces),
+        );
         put(binding::<Parameters>(), std::mem::take(&mut textures.numbers).finish());
         put(binding::<Models>(), models::list(scene, components.models()));
         if change.texels || textures.images() != self.images {
@@ -259,7 +270,7 @@ impl Tables {
         new.images = textures.images().to_vec();
         put(binding::<Textures>(), textures.finish());
         // A triangle without holes may stay where kernels walk, but not the other way round.
-        let cutouts = tree::cutouts(scene);
+        let cutouts = tree::cutouts(scene, choices);
         if self.native.is_some() && cutouts.iter().zip(&self.cutouts).any(|(now, before)| *now && !*before) {
             let triangles = geometry::triangles(scene, self.origin);
             let tree = SceneTree::new(scene, &triangles, &cutouts, self.traversal);
@@ -340,7 +351,7 @@ fn settings(
         .set(S::LIGHT_COUNT, lights)
         .set(S::HAS_LIGHT_TREE, in_tree > 0)
         .set(S::TREE_LIGHTS, in_tree)
-        .set(S::HAS_CUTOUTS, tree::cutouts(scene).contains(&true))
+        .set(S::HAS_CUTOUTS, tree::cutouts(scene, choices).contains(&true))
         .set(S::HAS_INSTANCES, instances > 0)
         .set(S::INSTANCE_COUNT, instances)
         .set(S::HAS_VOLUMES, scene.materials.iter().any(materials::absorbs))

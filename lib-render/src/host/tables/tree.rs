@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use jerboa_scenes::{AlphaMode, Scene};
+use jerboa_scenes::{AlphaMode, Material, Scene};
 
 use super::memory::Memory;
+use super::{Choices, materials};
 use crate::host::bvh::{Bounds, Bvh, Dropped, Instanced, Triangle};
 use crate::host::device::Traversal;
 use crate::host::native::Native;
@@ -22,9 +23,10 @@ pub(super) struct SceneTree {
     pub dropped: Dropped,
 }
 
-/// Has a surface of each material holes?
-pub(super) fn cutouts(scene: &Scene) -> Vec<bool> {
-    scene.materials.iter().map(|material| material.alpha_mode != AlphaMode::Opaque).collect()
+/// Has a surface of each material holes, or is it none from behind?
+pub(super) fn cutouts(scene: &Scene, choices: &Choices) -> Vec<bool> {
+    let culls = |m: &Material| choices.cull_back_faces && materials::can_be_culled(m);
+    scene.materials.iter().map(|m| m.alpha_mode != AlphaMode::Opaque || culls(m)).collect()
 }
 
 /// No triangle: a tree drops it, and the others keep their numbers.
