@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat, DVec3, Vec3};
 use jerboa_ir::lang::{Buf, Col, F32};
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_lib_render::schema::{self, Materials, Normals, Primitives, Tangents, Textures, Vertices};
-use jerboa_scenes::{Filter, Image, Instance, Material, Mesh, Scene, Texture, TextureRef, TextureSource, Wrap};
+use jerboa_scenes::{Filter, Image, Instance, Material, Mesh, Scene, Texture, TextureRef, TextureSource};
 
 fn tables(scene: &Scene) -> Tables {
     Tables::new(scene, &Choices::default(), Known::Structure)
@@ -35,13 +35,7 @@ fn an_image_is_decoded_as_its_use_demands() {
         transmission_texture: image(),
         ..Material::default()
     };
-    let texture = Texture {
-        name: String::new(),
-        source: TextureSource::Image(0),
-        wrap_s: Wrap::Repeat,
-        wrap_t: Wrap::Repeat,
-        filter: Filter::Bilinear,
-    };
+    let texture = Texture::repeating("", TextureSource::Image(0), Filter::Bilinear);
     let scene = Scene {
         materials: vec![material],
         textures: vec![texture],

@@ -25,6 +25,8 @@ pub enum Filter {
     /// Four texels around, centres at half integers. There are no mipmaps: samples within a pixel filter minified ones.
     #[default]
     Bilinear,
+    /// Sixteen texels around, weighed by cubic B-splines: smooth, and within the range of the texels.
+    Bicubic,
 }
 
 /// What a texture is made of.
@@ -38,6 +40,13 @@ pub enum TextureSource {
         even: [f32; 3],
         /// Linear RGB of its neighbours.
         odd: [f32; 3],
+    },
+    /// Smooth noise between two colours, with features as large as a unit of uv; wrap and filter do not apply.
+    Noise {
+        /// Linear RGB of the lowest value.
+        low: [f32; 3],
+        /// Linear RGB of the highest.
+        high: [f32; 3],
     },
     /// A texture of a user's crate, by its place in [`Scene::own`](crate::Scene::own). Wrap and filter do not apply.
     Own(usize),
@@ -54,8 +63,19 @@ pub struct Texture {
     pub wrap_s: Wrap,
     /// Along v.
     pub wrap_t: Wrap,
-    /// From glTF's magnification filter.
+    /// From glTF's magnification filter, or `extras.filter` of the sampler.
     pub filter: Filter,
+    /// Linear RGBA from 0 to 1 of all that lies outside of the image, in place of `wrap_s` and `wrap_t`; `extras.border` of the
+    /// sampler.
+    pub border: Option<[f32; 4]>,
+}
+
+impl Texture {
+    /// A texture that repeats.
+    pub fn repeating(name: impl Into<String>, source: TextureSource, filter: Filter) -> Texture {
+        let (wrap_s, wrap_t) = (Wrap::Repeat, Wrap::Repeat);
+        Texture { name: name.into(), source, wrap_s, wrap_t, filter, border: None }
+    }
 }
 
 /// Eight-bit RGBA texels as the file has them (not yet linear). Row 0 is the top, v = 0.

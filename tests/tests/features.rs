@@ -24,11 +24,16 @@ struct Feature {
 const FEATURES: &[Feature] = &[
     Feature { name: "textures", used: has_textures, words: &["Textures.", "Uvs."] },
     Feature { name: "images", used: has_images, words: &["Texels.RGBA", "Textures.OFFSET", "Textures.WIDTH"] },
-    Feature { name: "checkerboards", used: has_checkerboards, words: &["Textures.EVEN_R", "Textures.ODD_R"] },
+    Feature { name: "patterns", used: has_patterns, words: &["Textures.EVEN_R", "Textures.ODD_R"] },
     Feature {
         name: "KHR_texture_transform",
         used: |s| textures(s).any(|t| t.transform.is_some()),
         words: &["Textures.M00", "Textures.M12"],
+    },
+    Feature {
+        name: "borders",
+        used: |s| textures(s).any(|t| s.textures[t.texture].border.is_some()),
+        words: &["Textures.BORDER_R"],
     },
     Feature {
         name: "normal maps",
@@ -167,8 +172,9 @@ fn has_images(scene: &Scene) -> bool {
     textures(scene).any(|t| matches!(scene.textures[t.texture].source, TextureSource::Image(_)))
 }
 
-fn has_checkerboards(scene: &Scene) -> bool {
-    textures(scene).any(|t| matches!(scene.textures[t.texture].source, TextureSource::Checkerboard { .. }))
+fn has_patterns(scene: &Scene) -> bool {
+    use TextureSource::{Checkerboard, Noise};
+    textures(scene).any(|t| matches!(scene.textures[t.texture].source, Checkerboard { .. } | Noise { .. }))
 }
 
 fn is_lit(scene: &Scene) -> bool {

@@ -15,14 +15,15 @@ use jerboa_tests::harness::many::shaders;
 use jerboa_tests::sources::shared_scenes;
 use jerboa_tests::spirv::gpu;
 
-/// Built-ins of T3: area light, metals and glass under an environment, cut-outs, textures, many lights.
-const BUILTINS: [&str; 6] = ["cornell-box", "material-balls", "alpha", "checkerboard", "many-lights", "pebbles"];
+/// Built-ins of T3: area light, metals and glass under an environment, every filter, cut-outs, textures, many lights.
+const BUILTINS: [&str; 7] =
+    ["cornell-box", "material-balls", "fine-textures", "alpha", "checkerboard", "many-lights", "pebbles"];
 
 /// Matched scenes of T3.
 const MATCHED: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];
 
-/// How many of each the quick form has.
-const QUICK: usize = 2;
+/// How many of the built-ins and of the matched scenes the quick form has.
+const QUICK: [usize; 2] = [3, 2];
 
 /// Side of the image in pixels, and samples of each.
 const SIDE: u32 = 64;
@@ -59,9 +60,9 @@ fn films_are_the_same(scene: &Scene) {
     }
 }
 
-/// All scenes, or the first of them.
-fn chosen<'a>(scenes: &'a [&'a str]) -> &'a [&'a str] {
-    if std::env::var_os("JERBOA_T3").is_some() { scenes } else { &scenes[..QUICK] }
+/// All scenes, or so many.
+fn chosen<'a>(scenes: &'a [&'a str], quick: usize) -> &'a [&'a str] {
+    if std::env::var_os("JERBOA_T3").is_some() { scenes } else { &scenes[..quick] }
 }
 
 #[test]
@@ -69,7 +70,7 @@ fn films_of_built_in_scenes_are_those_of_the_cpu() {
     if gpu("films_of_built_in_scenes_are_those_of_the_cpu").is_none() {
         return;
     }
-    for name in chosen(&BUILTINS) {
+    for name in chosen(&BUILTINS, QUICK[0]) {
         films_are_the_same(&load(&format!("builtin:{name}")));
     }
 }
@@ -83,7 +84,7 @@ fn films_of_matched_scenes_are_those_of_the_cpu() {
         println!("skipped: films_of_matched_scenes_are_those_of_the_cpu (no shared scenes)");
         return;
     };
-    for name in chosen(&MATCHED) {
+    for name in chosen(&MATCHED, QUICK[1]) {
         let file = shared.join(name).join(format!("{name}.matched.glb"));
         films_are_the_same(&load(&file.to_string_lossy()));
     }

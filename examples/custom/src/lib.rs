@@ -27,7 +27,7 @@ pub mod facing;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use jerboa_lib_render::components::Components;
 use jerboa_scenes::{
-    Camera, Filter, Instance, Light, LightKind, Material, Mesh, Model, Scene, Texture, TextureRef, TextureSource, Wrap,
+    Camera, Filter, Instance, Light, LightKind, Material, Mesh, Model, Scene, Texture, TextureRef, TextureSource,
 };
 
 /// The library's components and those of this crate.
@@ -49,13 +49,7 @@ pub fn scene() -> Scene {
         ..Mesh::default()
     };
     let rings = Model::named(rings::NAME).with("width", &[0.2]).with("even", &[0.9, 0.6, 0.3]).with("odd", &[0.1]);
-    let texture = Texture {
-        name: "rings".into(),
-        source: TextureSource::Own(0),
-        wrap_s: Wrap::Repeat,
-        wrap_t: Wrap::Repeat,
-        filter: Filter::Nearest,
-    };
+    let texture = Texture::repeating("rings", TextureSource::Own(0), Filter::Nearest);
     let material = Material {
         model: Some(Model::named(minnaert::NAME).with("k", &[2.0])),
         base_color_texture: Some(TextureRef { texture: 0, uv_set: 0, transform: None }),

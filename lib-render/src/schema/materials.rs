@@ -33,6 +33,8 @@ table! {
         DOUBLE_SIDED: Bool, structure;
         /// `ALPHA_*`.
         ALPHA_MODE: U32, structure;
+        /// Do rays pass through it from behind?
+        CULLED: Bool, structure;
         /// Diffuse lobe: not all metal, not all transmission.
         HAS_DIFFUSE: Bool, structure;
         /// Dielectric reflection layer: specular above 0 and not all metal.
@@ -215,10 +217,11 @@ table! {
 }
 
 table! {
-    /// The list of models, then of the lobes that extensions add to glTF's (`lobes::Lobe`), one row each. It is known at every
-    /// level of knowledge: a renderer is put together from what the scene names.
+    /// The list of models, then of the lobes that extensions add to glTF's (`lobes::Lobe`), then of what few textures ask for
+    /// (`texture::Lookup`), one row each. It is known at every level of knowledge: a renderer is put together from what the
+    /// scene names.
     pub classed Models {
-        /// Has any material of the scene this model, or this lobe?
+        /// Has any material of the scene this model, or this lobe, or any of its textures this way?
         USED: Bool, structure;
     }
 }

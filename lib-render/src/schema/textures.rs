@@ -8,6 +8,8 @@ use super::Parameters;
 pub const TEXTURE_IMAGE: u32 = 0;
 /// [`Textures::KIND`]: the procedural checkerboard of the paper, section 4.1.
 pub const TEXTURE_CHECKERBOARD: u32 = 1;
+/// [`Textures::KIND`]: smooth noise.
+pub const TEXTURE_NOISE: u32 = 2;
 /// [`Textures::KIND`]: the first texture of a user's crate; the others follow.
 pub const TEXTURE_OWN: u32 = 64;
 
@@ -17,11 +19,15 @@ pub const WRAP_REPEAT: u32 = 0;
 pub const WRAP_CLAMP: u32 = 1;
 /// Mirrored repeat.
 pub const WRAP_MIRROR: u32 = 2;
+/// A border of one colour; it is that of both coordinates.
+pub const WRAP_BORDER: u32 = 3;
 
 /// [`Textures::FILTER`]: the texel that contains the point.
 pub const FILTER_NEAREST: u32 = 0;
 /// [`Textures::FILTER`]: bilinear between the four texel centres around it.
 pub const FILTER_BILINEAR: u32 = 1;
+/// [`Textures::FILTER`]: cubic B-splines over the sixteen texel centres around it.
+pub const FILTER_BICUBIC: u32 = 2;
 
 table! {
     /// Textures as materials refer to them: image, sampling, colour space, set of coordinates, transform.
@@ -60,18 +66,26 @@ table! {
         M11: F32, value;
         /// See [`Textures::M10`].
         M12: F32, value;
-        /// Checkerboard: colour of the square at the origin, linear.
+        /// Checkerboard: colour of the square at the origin, linear. Noise: that of the lowest value.
         EVEN_R: F32, value;
         /// See [`Textures::EVEN_R`].
         EVEN_G: F32, value;
         /// See [`Textures::EVEN_R`].
         EVEN_B: F32, value;
-        /// Checkerboard: colour of its neighbours, linear.
+        /// Checkerboard: colour of its neighbours, linear. Noise: that of the highest value.
         ODD_R: F32, value;
         /// See [`Textures::ODD_R`].
         ODD_G: F32, value;
         /// See [`Textures::ODD_R`].
         ODD_B: F32, value;
+        /// The border, linear.
+        BORDER_R: F32, value;
+        /// See [`Textures::BORDER_R`].
+        BORDER_G: F32, value;
+        /// See [`Textures::BORDER_R`].
+        BORDER_B: F32, value;
+        /// See [`Textures::BORDER_R`].
+        BORDER_A: F32, value;
     }
 }
 

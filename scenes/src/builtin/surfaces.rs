@@ -3,7 +3,7 @@
 use super::shapes::{floor, panel, quad, sky, sphere};
 use crate::{
     Anisotropy, Clearcoat, DiffuseTransmission, Filter, Iridescence, Material, Mesh, Model, Scene, Sheen, Texture,
-    TextureRef, TextureSource, UvTransform, Wrap,
+    TextureRef, TextureSource, UvTransform,
 };
 use glam::{Vec3, vec3};
 
@@ -150,13 +150,8 @@ pub(super) fn checkerboard() -> Scene {
 /// A floor of squares under a soft sky.
 pub(super) fn on_checkerboard() -> Scene {
     let mut scene = Scene { environment: Some(sky(64, soft_sky)), ..Scene::default() };
-    scene.textures.push(Texture {
-        name: "squares".into(),
-        source: TextureSource::Checkerboard { even: [0.7; 3], odd: [0.15; 3] },
-        wrap_s: Wrap::Repeat,
-        wrap_t: Wrap::Repeat,
-        filter: Filter::Nearest,
-    });
+    let squares = TextureSource::Checkerboard { even: [0.7; 3], odd: [0.15; 3] };
+    scene.textures.push(Texture::repeating("squares", squares, Filter::Nearest));
     let squares = UvTransform { offset: [0.0; 2], rotation: 0.0, scale: [40.0; 2] };
     let texture = TextureRef { texture: 0, uv_set: 0, transform: Some(squares) };
     let board = Material { base_color_texture: Some(texture), ..Material::diffuse("board", [1.0; 3]) };

@@ -172,7 +172,8 @@ pub(super) static BUILTINS: &[Builtin] = &[
         CHECKERBOARD,
         surfaces::checkerboard,
     ),
-    plain("textures", "every wrap mode with every filter", textures::textures),
+    plain("textures", "every wrap mode, nearest and bilinear", textures::textures),
+    plain("fine-textures", "cards with borders, cards with bicubic filters, and noise", textures::fine_textures),
     hard(
         "odd-textures",
         "textures of one texel or row, coordinates of ten million and -1e-9",

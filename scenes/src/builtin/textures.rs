@@ -33,7 +33,7 @@ pub(super) fn alpha() -> Scene {
     scene
 }
 
-/// Every wrap mode with every filter: a small picture from -1 to 2 on each card.
+/// Every wrap mode, nearest and bilinear: a small picture from -1 to 2 on each card.
 pub(super) fn textures() -> Scene {
     let mut scene = Scene { environment: Some(sky(16, |_| [1.0; 3])), ..Scene::default() };
     let picture = |x: f32, y: f32| {
@@ -50,6 +50,36 @@ pub(super) fn textures() -> Scene {
     }
     scene.view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 0.5, (384, 256));
     scene
+}
+
+/// A small picture from -1 to 2 on each card: above by the bicubic filter with every wrap mode and a border, below with a border
+/// by the other filters, where texels end and fade; then noise.
+pub(super) fn fine_textures() -> Scene {
+    let mut scene = Scene { environment: Some(sky(16, |_| [1.0; 3])), ..Scene::default() };
+    let picture = |x: f32, y: f32| [(x * 100.0 + 128.0) as u8, (y * 100.0 + 128.0) as u8, 90, 255];
+    let repeat = (Wrap::Repeat, None);
+    let border = (Wrap::Repeat, Some([0.9, 0.6, 0.1, 1.0]));
+    let bicubic = [repeat, (Wrap::Mirror, None), (Wrap::Clamp, None), border].map(|outside| (Filter::Bicubic, outside));
+    let cards = bicubic.into_iter().chain([(Filter::Nearest, border), (Filter::Bilinear, border)]);
+    for (i, (filter, (wrap, border))) in cards.enumerate() {
+        let texture = scene.picture("picture", [4, 4], picture, filter);
+        let texels = &mut scene.textures[texture.texture];
+        (texels.wrap_s, texels.wrap_t, texels.border) = (wrap, wrap, border);
+        scene.card(cell(i), texture, UvTransform { offset: [-1.0; 2], rotation: 0.0, scale: [3.0; 2] });
+    }
+    for (i, scale) in [(6, 2.0), (7, 16.0)] {
+        let noise = TextureSource::Noise { low: [0.05, 0.1, 0.3], high: [0.9, 0.8, 0.6] };
+        scene.textures.push(Texture::repeating("noise", noise, Filter::Nearest));
+        let texture = TextureRef { texture: scene.textures.len() - 1, uv_set: 0, transform: None };
+        scene.card(cell(i), texture, UvTransform { offset: [-0.5 * scale; 2], rotation: 0.3, scale: [scale; 2] });
+    }
+    scene.view([0.0, 0.0, 6.0], [0.0, 0.0, 0.0], 0.42, (512, 256));
+    scene
+}
+
+/// The corner of a card, of four in a row.
+fn cell(i: usize) -> Vec3 {
+    vec3((i % 4) as f32 * 1.1 - 2.15, (i / 4) as f32 * -1.1 + 0.05, 0.0)
 }
 
 /// Lookups at the edge of what single precision can do: textures of one texel and one row, coordinates of ten million
@@ -101,7 +131,7 @@ impl Scene {
         let rgba = (0..width * height).map(|i| texel(at(i % width, width), at(i / width, height))).collect();
         self.images.push(Image { name: name.into(), width, height, rgba });
         let source = TextureSource::Image(self.images.len() - 1);
-        self.textures.push(Texture { name: name.into(), source, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter });
+        self.textures.push(Texture::repeating(name, source, filter));
         TextureRef { texture: self.textures.len() - 1, uv_set: 0, transform: None }
     }
 

@@ -156,7 +156,11 @@ fn check_extensions(root: &Json, scene: &mut Scene) -> Result<bool, Error> {
         let name = used.text()?;
         quantized |= name == "KHR_mesh_quantization";
         if !EXTENSIONS.contains(&name) {
-            warn(&mut scene.warnings, &used.path, format!("{name} is unknown and ignored"));
+            let what = match name {
+                "KHR_materials_dispersion" => "is left out: light of every colour is refracted by the same index",
+                _ => "is unknown and ignored",
+            };
+            warn(&mut scene.warnings, &used.path, format!("{name} {what}"));
         }
     }
     Ok(quantized)

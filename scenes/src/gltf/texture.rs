@@ -92,6 +92,28 @@ fn read_texture(at: &Json, image: usize, sampler: Option<Json>) -> Result<Textur
         MagFilter::Nearest => Filter::Nearest,
         MagFilter::Linear => Filter::Bilinear,
     };
+    let extra = |key| sampler.as_ref().and_then(|s| s.get("extras")).and_then(|extras| extras.get(key));
+    let filter = extra("filter").map_or(Ok(filter), |at| own_filter(&at))?;
+    let border = extra("border").map(|at| border(&at)).transpose()?;
     let source = TextureSource::Image(image);
-    Ok(Texture { name: at.name(), source, wrap_s: wrap("wrapS")?, wrap_t: wrap("wrapT")?, filter })
+    Ok(Texture { name: at.name(), source, wrap_s: wrap("wrapS")?, wrap_t: wrap("wrapT")?, filter, border })
+}
+
+/// A filter that glTF has no code for.
+fn own_filter(at: &Json) -> Result<Filter, Error> {
+    match at.text()? {
+        "bicubic" => Ok(Filter::Bicubic),
+        _ => Err(at.fault(format!("\"{}\" is not \"bicubic\"; magFilter names the other filters", at.shown()))),
+    }
+}
+
+/// What is outside of the image.
+fn border(at: &Json) -> Result<[f32; 4], Error> {
+    let rgba = at.numbers::<4>()?.map(|x| x as f32);
+    let valid = rgba.iter().all(|x| (0.0..=1.0).contains(x));
+    if valid {
+        Ok(rgba)
+    } else {
+        Err(at.fault("a border is four numbers from 0 to 1: linear red, green, blue and alpha"))
+    }
 }

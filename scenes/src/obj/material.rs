@@ -115,7 +115,7 @@ impl Loader<'_> {
         let Some(image) = image else { return Ok(None) };
         let wrap = if options.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let source = TextureSource::Image(image);
-        let texture = Texture { name: name.into(), source, wrap_s: wrap, wrap_t: wrap, filter: Filter::Bilinear };
+        let texture = Texture { wrap_s: wrap, wrap_t: wrap, ..Texture::repeating(name, source, Filter::Bilinear) };
         let known = self.scene.textures.iter().position(|t| *t == texture);
         let texture = known.unwrap_or_else(|| {
             self.scene.textures.push(texture);

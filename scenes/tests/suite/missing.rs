@@ -69,6 +69,15 @@ fn warnings_are_counted() {
 }
 
 #[test]
+fn dispersion_is_left_out_by_name() {
+    let mut d = triangle();
+    d["extensionsUsed"] = json!(["KHR_materials_dispersion"]);
+    let expected =
+        "extensionsUsed[0]: KHR_materials_dispersion is left out: light of every colour is refracted by the same index";
+    assert_eq!(messages(&load(&d).unwrap().warnings), [expected]);
+}
+
+#[test]
 fn warnings_do_not_pile_up() {
     let mut d = triangle();
     d["extensionsUsed"] = (0..500).map(|i| format!("FOO_{i}")).collect();

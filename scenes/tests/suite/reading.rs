@@ -215,6 +215,31 @@ fn a_material_with_everything() {
 }
 
 #[test]
+fn a_sampler_names_a_border_and_the_bicubic_filter() {
+    let mut d = textured(json!({"uri": data_uri(&png([10, 20, 30, 40]))}));
+    d["samplers"] = json!([{"magFilter": 9728, "extras": {"filter": "bicubic", "border": [0, 0.25, 1, 0.5]}}]);
+    d["textures"][0]["sampler"] = json!(0);
+    let texture = load(&d).unwrap().textures.remove(0);
+    assert_eq!((texture.filter, texture.border), (Filter::Bicubic, Some([0.0, 0.25, 1.0, 0.5])));
+    for (key, value, expected) in [
+        ("filter", json!("cubic"), "filter: \"cubic\" is not \"bicubic\"; magFilter names the other filters;"),
+        ("filter", json!(9728), "filter: not a string;"),
+        ("border", json!([0, 0, 0]), "border: not an array of 4 numbers;"),
+        ("border", json!([0, 0, "0", 1]), "border[2]: not a number;"),
+        (
+            "border",
+            json!([0, 0, 1.5, 1]),
+            "border: a border is four numbers from 0 to 1: linear red, green, blue and alpha;",
+        ),
+        ("border", json!([-1, 0, 0, 1]), "border: a border is four numbers from 0 to 1"),
+    ] {
+        d["samplers"][0]["extras"] = json!({key: value});
+        let error = load(&d).unwrap_err().to_string();
+        assert!(error.contains(&format!("samplers[0].extras.{expected}")), "{error}");
+    }
+}
+
+#[test]
 fn a_material_names_a_model() {
     let mut d = triangle();
     d["materials"] = json!([

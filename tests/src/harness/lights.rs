@@ -30,7 +30,7 @@ use jerboa_lib_render::ray::Ray;
 use jerboa_lib_render::schema::{Geometries, Lights, NONE, Primitives, Settings};
 use jerboa_lib_render::shader::make_shader;
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
-use jerboa_scenes::{Filter, LightKind, Material, Scene, Texture, TextureRef, TextureSource, Wrap};
+use jerboa_scenes::{Filter, LightKind, Material, Scene, Texture, TextureRef, TextureSource};
 
 pub use chart::Chart;
 
@@ -303,13 +303,8 @@ pub fn lights() -> Vec<Lit> {
 /// The same with a checkerboard on it, five by five.
 fn textured(plain: &Lit) -> Lit {
     let mut scene = plain.scene.clone();
-    scene.textures.push(Texture {
-        name: "board".into(),
-        source: TextureSource::Checkerboard { even: [1.0; 3], odd: [0.25; 3] },
-        wrap_s: Wrap::Repeat,
-        wrap_t: Wrap::Repeat,
-        filter: Filter::Nearest,
-    });
+    let board = TextureSource::Checkerboard { even: [1.0; 3], odd: [0.25; 3] };
+    scene.textures.push(Texture::repeating("board", board, Filter::Nearest));
     scene.materials[0].emissive_texture = Some(TextureRef { texture: 0, uv_set: 0, transform: None });
     scene.meshes[0].uvs[0] = Some([[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [0.0, 5.0]].map(glam::Vec2::from).to_vec());
     Lit { name: format!("textured {}", plain.name), scene, chart: plain.chart.clone(), ..*plain }

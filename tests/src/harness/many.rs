@@ -47,13 +47,7 @@ pub fn textures(n: usize) -> Scene {
         material.base_color_texture = Some(TextureRef { texture: i, uv_set: 0, transform: None });
         let source = TextureSource::Image(i);
         let name = format!("texture {i}");
-        scene.textures.push(Texture {
-            name: name.clone(),
-            source,
-            wrap_s: Wrap::Repeat,
-            wrap_t: Wrap::Repeat,
-            filter: Filter::Bilinear,
-        });
+        scene.textures.push(Texture::repeating(name.clone(), source, Filter::Bilinear));
         scene.images.push(Image { name, width: 1, height: 1, rgba: vec![[i as u8, (i >> 8) as u8, 128, 255]] });
     }
     scene
@@ -87,8 +81,7 @@ fn point(position: DVec3) -> Light {
 
 /// Textures that [`structures`] refer to: a pattern, and an image read in two ways.
 fn with_textures(mut scene: Scene) -> Scene {
-    let texture =
-        |source, wrap_s, filter| Texture { name: "a texture".into(), source, wrap_s, wrap_t: Wrap::Repeat, filter };
+    let texture = |source, wrap_s, filter| Texture { wrap_s, ..Texture::repeating("a texture", source, filter) };
     let pattern = TextureSource::Checkerboard { even: [0.8; 3], odd: [0.2; 3] };
     scene.textures = vec![
         texture(pattern, Wrap::Repeat, Filter::Nearest),

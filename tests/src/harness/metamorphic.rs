@@ -139,13 +139,7 @@ pub fn medley() -> Scene {
     let [bumps, stripes] = [image(bumps), image(stripes)].map(|image| {
         scene.images.push(image);
         let source = TextureSource::Image(scene.images.len() - 1);
-        let texture = Texture {
-            name: "texture".into(),
-            source,
-            wrap_s: Wrap::Repeat,
-            wrap_t: Wrap::Mirror,
-            filter: Filter::Bilinear,
-        };
+        let texture = Texture { wrap_t: Wrap::Mirror, ..Texture::repeating("texture", source, Filter::Bilinear) };
         scene.textures.push(texture);
         Some(TextureRef { texture: scene.textures.len() - 1, uv_set: 0, transform: None })
     });

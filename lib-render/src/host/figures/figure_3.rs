@@ -6,7 +6,7 @@
 
 use jerboa_backend_cranelift as clif;
 use jerboa_peval::{Arg, Generic};
-use jerboa_scenes::{Filter, Material, Model, Scene, Texture, TextureRef, TextureSource, Wrap};
+use jerboa_scenes::{Filter, Material, Model, Scene, Texture, TextureRef, TextureSource};
 
 use super::batch::{Batch, RAYS, anew, compile, texels};
 use super::kernels::phong;
@@ -100,13 +100,7 @@ pub fn measure(rounds: u32) -> Result<Vec<Chart>, Error> {
 
 /// Four materials, S the number of each.
 fn scene() -> Scene {
-    let texture = Texture {
-        name: "texture".into(),
-        source: TextureSource::Image(0),
-        wrap_s: Wrap::Repeat,
-        wrap_t: Wrap::Repeat,
-        filter: Filter::Bilinear,
-    };
+    let texture = Texture::repeating("texture", TextureSource::Image(0), Filter::Bilinear);
     let use_ = |yes: bool| yes.then_some(TextureRef { texture: 0, uv_set: 0, transform: None });
     let material = |s: u32| Material {
         base_color_texture: use_(s & 1 != 0),

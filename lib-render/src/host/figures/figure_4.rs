@@ -73,11 +73,9 @@ pub fn measure(rounds: u32) -> Result<Vec<Chart>, Error> {
 /// A sphere that has every attribute and a filtered texture, and one that has coordinates alone and another kind of texture.
 fn scene() -> Scene {
     let texture = |wrap, filter| Texture {
-        name: "texture".into(),
-        source: TextureSource::Image(0),
         wrap_s: wrap,
         wrap_t: wrap,
-        filter,
+        ..Texture::repeating("texture", TextureSource::Image(0), filter)
     };
     let material = |texture| Material {
         base_color_texture: Some(TextureRef { texture, uv_set: 0, transform: None }),

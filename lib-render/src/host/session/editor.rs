@@ -75,8 +75,8 @@ impl<'s> Editor<'s> {
                         return Err(Error::new(format!("an image of {width}x{height} has {texels} texels")));
                     }
                     (Some(_), TextureSource::Image(place)) => Some(place),
-                    (Some(_), TextureSource::Checkerboard { .. }) => {
-                        return Err(Error::new(format!("texture {number} is a checkerboard and takes no image")));
+                    (Some(_), TextureSource::Checkerboard { .. } | TextureSource::Noise { .. }) => {
+                        return Err(Error::new(format!("texture {number} is a pattern and takes no image")));
                     }
                     (Some(_), TextureSource::Own(_)) => {
                         return Err(Error::new(format!(

@@ -267,6 +267,7 @@ fn texture_mean(scene: &Scene, m: &jerboa_scenes::Material) -> f64 {
             (image.rgba.iter().map(code).sum::<f64>() / image.rgba.len() as f64).max(1.0 / 255.0)
         }
         TextureSource::Checkerboard { even, odd } => (luminance(even) + luminance(odd)) / 2.0,
+        TextureSource::Noise { low, high } => (luminance(low) + luminance(high)) / 2.0,
         // What it gives is not known here.
         TextureSource::Own(_) => 1.0,
     }

@@ -3,11 +3,13 @@
 use jerboa_scenes::{LightKind, Material, Model as Named, Scene, TextureSource};
 
 use super::memory::{Memory, Table};
+use super::textures::asks_for;
 use crate::bsdf::models::Model;
 use crate::components::{Components, Parameter};
 use crate::host::error::Error;
 use crate::lobes::Lobe;
 use crate::schema::{Models, Parameters};
+use crate::texture::Lookup;
 
 /// The model of a material, glTF's where it names none, and the numbers that it takes.
 ///
@@ -180,5 +182,6 @@ pub fn list(scene: &Scene, models: &[Model]) -> Memory {
     let has = |lobe| scene.materials.iter().any(|m| super::lobes::has(m, lobe));
     (0..models.len() as u32).for_each(|number| _ = table.push().set(Models::USED, used.contains(&number)));
     Lobe::ALL.into_iter().for_each(|lobe| _ = table.push().set(Models::USED, has(lobe)));
+    Lookup::ALL.into_iter().for_each(|lookup| _ = table.push().set(Models::USED, asks_for(scene, lookup)));
     table.finish()
 }

@@ -8,6 +8,7 @@ use super::memory::{Memory, Table};
 use super::models::{Numbers, own_texture};
 use crate::components::Components;
 use crate::schema::*;
+use crate::texture::Lookup;
 
 /// How a use of an image reads its colour channels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -77,7 +78,7 @@ impl<'a> Textures<'a> {
         let texture = &self.scene.textures[r.texture];
         let image = match texture.source {
             TextureSource::Image(i) => Some((i, self.offset(i))),
-            TextureSource::Checkerboard { .. } | TextureSource::Own(_) => None,
+            TextureSource::Checkerboard { .. } | TextureSource::Noise { .. } | TextureSource::Own(_) => None,
         };
         let own = match texture.source {
             TextureSource::Own(own) => own_texture(self.scene, own, self.components).ok(),
@@ -85,8 +86,14 @@ impl<'a> Textures<'a> {
         };
         let mut row = self.table.push();
         row.set(T::UV_SET, r.uv_set as u32).set(T::SRGB, encoding == Encoding::Srgb);
-        row.set(T::FILTER, if texture.filter == Filter::Nearest { FILTER_NEAREST } else { FILTER_BILINEAR });
-        row.set(T::WRAP_U, wrap(texture.wrap_s)).set(T::WRAP_V, wrap(texture.wrap_t));
+        row.set(T::FILTER, filter(texture.filter));
+        match texture.border {
+            Some(border) => row
+                .set(T::WRAP_U, WRAP_BORDER)
+                .set(T::WRAP_V, WRAP_BORDER)
+                .set_all([T::BORDER_R, T::BORDER_G, T::BORDER_B, T::BORDER_A], border),
+            None => row.set(T::WRAP_U, wrap(texture.wrap_s)).set(T::WRAP_V, wrap(texture.wrap_t)),
+        };
         if let Some((i, offset)) = image {
             let image = &self.scene.images[i];
             row.set(T::KIND, TEXTURE_IMAGE)
@@ -97,6 +104,10 @@ impl<'a> Textures<'a> {
         if let TextureSource::Checkerboard { even, odd } = texture.source {
             row.set(T::KIND, TEXTURE_CHECKERBOARD);
             row.set_all([T::EVEN_R, T::EVEN_G, T::EVEN_B], even).set_all([T::ODD_R, T::ODD_G, T::ODD_B], odd);
+        }
+        if let TextureSource::Noise { low, high } = texture.source {
+            row.set(T::KIND, TEXTURE_NOISE);
+            row.set_all([T::EVEN_R, T::EVEN_G, T::EVEN_B], low).set_all([T::ODD_R, T::ODD_G, T::ODD_B], high);
         }
         if let Some((kind, numbers)) = own {
             row.set(T::KIND, TEXTURE_OWN + kind).set(T::NUMBERS, self.numbers.place(&numbers));
@@ -134,6 +145,25 @@ impl<'a> Textures<'a> {
     /// The finished table of textures.
     pub fn finish(self) -> Memory {
         self.table.finish()
+    }
+}
+
+/// Does any texture in use ask for this?
+pub fn asks_for(scene: &Scene, lookup: Lookup) -> bool {
+    let asks = |texture: &jerboa_scenes::Texture| match lookup {
+        Lookup::Border => texture.border.is_some(),
+        Lookup::Bicubic => texture.filter == Filter::Bicubic,
+        Lookup::Noise => matches!(texture.source, TextureSource::Noise { .. }),
+    };
+    let mut used = scene.materials.iter().flat_map(jerboa_scenes::Material::textures);
+    used.any(|used| asks(&scene.textures[used.texture]))
+}
+
+fn filter(f: Filter) -> u32 {
+    match f {
+        Filter::Nearest => FILTER_NEAREST,
+        Filter::Bilinear => FILTER_BILINEAR,
+        Filter::Bicubic => FILTER_BICUBIC,
     }
 }
 

@@ -192,7 +192,7 @@ impl Rich {
         });
         d["meshes"][0]["primitives"][0]["attributes"] = json!({"POSITION": 0, "NORMAL": normals, "TEXCOORD_0": uv});
         self.shapes(&mut d, normals);
-        d["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071}]);
+        d["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071, "extras": {"border": [0, 0.5, 1, 0]}}]);
         d["textures"][0]["sampler"] = json!(0);
         let texture = json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2], "rotation": 1}}});
         d["materials"][0]["normalTexture"] = texture.clone();
