@@ -1,51 +1,18 @@
 //! The command `jerboa` as its users run it: the words of the command line, what they print and write, and what they say
 //! when something is wrong.
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod desk;
 
+use std::process::Command;
+
+use desk::Desk;
 use jerboa_lib_render::host::image_io::Image;
 use serde_json::Value;
-use tempfile::TempDir;
 
 /// A small, quick render of the default scene; more words follow.
 const SMALL: &str = "render --width 20 --height 16 --spp 2";
 
-/// A folder to run the command in.
-struct Desk(TempDir);
-
 impl Desk {
-    fn new() -> Desk {
-        Desk(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    fn run(&self, words: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_jerboa"));
-        command.args(words.split_whitespace()).current_dir(self.path()).output().expect("the command starts")
-    }
-
-    /// What a command that succeeds writes to stdout.
-    fn ok(&self, words: &str) -> String {
-        let out = self.run(words);
-        assert!(out.status.success(), "{words}: {}", String::from_utf8_lossy(&out.stderr));
-        String::from_utf8(out.stdout).expect("text")
-    }
-
-    /// The line that a command that fails writes to stderr; warnings aside.
-    fn error(&self, words: &str) -> String {
-        let out = self.run(words);
-        let text = String::from_utf8(out.stderr).expect("text");
-        assert_eq!(out.status.code(), Some(1), "{words}: {text}");
-        assert!(out.stdout.is_empty(), "{words}: wrote to stdout");
-        let lines: Vec<&str> = text.lines().filter(|l| !l.starts_with("jerboa: warning: ")).collect();
-        let [line] = lines[..] else { panic!("{words}: one line is expected, not:\n{text}") };
-        line.strip_prefix("jerboa: ").unwrap_or_else(|| panic!("{words}: {line}")).to_string()
-    }
-
     fn json(&self, words: &str) -> Value {
         serde_json::from_str(&self.ok(words)).unwrap_or_else(|e| panic!("{words}: {e}"))
     }
@@ -59,15 +26,6 @@ impl Desk {
     fn image(&self, words: &str) -> Image {
         self.bytes(words);
         Image::read(&self.path().join("image.exr")).expect("an image")
-    }
-
-    /// The only files in the folder.
-    fn files(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.path()).expect("the folder");
-        let mut names: Vec<String> =
-            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
     }
 }
 
@@ -234,7 +192,10 @@ fn shading_normals_and_the_film_size_are_chosen() {
 fn json_of_render_tells_samples_rays_and_seconds() {
     let desk = Desk::new();
     let report = desk.json(&format!("{SMALL} --json"));
-    assert_eq!(keys(&report), ["dropped_samples", "height", "output", "rays", "seconds", "spp", "width"]);
+    assert_eq!(
+        keys(&report),
+        ["dropped_samples", "estimated_relmse", "height", "output", "rays", "seconds", "spp", "width"]
+    );
     assert_eq!((report["spp"].as_u64(), report["dropped_samples"].as_u64()), (Some(2), Some(0)));
     // Each sample has a camera ray.
     assert!(report["rays"]["closest"].as_u64() >= Some(20 * 16 * 2), "{report}");
@@ -566,12 +527,13 @@ fn warnings_are_lines_and_no_failure() {
 fn help_says_every_word() {
     let desk = Desk::new();
     let help = desk.ok("--help");
-    for command in ["render", "dump", "time", "explain", "trace", "compare", "devices", "bench"] {
+    for command in ["render", "merge", "dump", "time", "explain", "trace", "compare", "devices", "bench"] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
         assert!(desk.ok(&format!("{command} --help")).contains("Usage: jerboa"), "{command}");
     }
     let words = "--output --spp --width --height --max-depth --seed --known --device --tracer --camera --shading-normals --env \
-                 --env-rotation --env-strength --rr-depth --rr-cap --crop --exposure --threads --time-limit --json";
+                 --env-rotation --env-strength --rr-depth --rr-cap --crop --exposure --threads --time-limit --json \
+                 --sample-range --checkpoint --variance --noise";
     let help = desk.ok("bench stability --help");
     for word in ["--scene", "--spp", "--seed", "--threads", "--json", "--output", "standard errors"] {
         assert!(help.contains(word), "{word}: {help}");

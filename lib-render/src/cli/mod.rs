@@ -8,6 +8,9 @@ pub mod faults;
 mod shown;
 mod scene;
 mod render;
+mod progress;
+mod goal;
+mod merge;
 mod inspect;
 mod time;
 mod trace;
@@ -48,6 +51,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn dispatch(command: Command) -> Result<(), Error> {
     match command {
         Command::Render(args) => print(&render::run(&args)?),
+        Command::Merge(args) => print(&merge::run(&args)?),
         Command::Dump(args) => print(&inspect::dump(&args)?),
         Command::Time(args) => print(&time::run(&args)?),
         Command::Explain(args) => print(&inspect::explain(&args)?),

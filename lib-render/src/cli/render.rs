@@ -1,26 +1,24 @@
 //! `jerboa render`: a scene to an image.
 
-use std::io::IsTerminal;
-use std::sync::mpsc;
-use std::time::{Duration, Instant};
-
-use indicatif::{ProgressBar, ProgressStyle};
+use std::path::Path;
+use std::time::Duration;
 
 use super::args::{DeviceArg, RenderArgs};
+use super::goal::Goal;
 use super::in_pool;
+use super::progress::with_progress;
 use super::scene::{camera, choices, film_size, lens, load, set_environment};
-use crate::host::aov::channels;
+use crate::host::aov::{channels, components};
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
-use crate::host::film::{Film, Window};
+use crate::host::exr::Channel;
+use crate::host::film::{Film, GROUPS, Window};
 use crate::host::generate::TracerKind;
 use crate::host::image_io::Image;
-use crate::host::renderer::{Handle, Options, Render, Renderer, Stats};
+use crate::host::renderer::{Options, Render, Renderer, Stats};
+use crate::host::variance::{relative_error, variance};
 
-/// How often the progress bar and the time limit are looked at.
-const TICK: Duration = Duration::from_millis(20);
-
-/// Most pixels of a film: 2^26, whose sums and a pass over them take 8 GiB.
+/// Most pixels of a film: 2^26, whose sums and a pass over them take 8 GiB; where samples come in groups, an eighth.
 const MOST_PIXELS: usize = 1 << 26;
 
 /// Renders, writes the image and returns what to print.
@@ -30,7 +28,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<String, Error> {
 
 fn run_here(args: &RenderArgs) -> Result<String, Error> {
     Image::check_target(&args.output)?;
-    if !args.shown.aov.is_empty() {
+    if !args.shown.aov.is_empty() || args.part.variance {
         Image::check_layers(&args.output)?;
     }
     let (mut scene, load_time) = load(&args.scene, &args.select)?;
@@ -47,20 +45,26 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
         traversal: args.traversal.into(),
         ..Options::default()
     };
+    let goal = Goal::new(args, &scene, &camera, &options)?;
+    let (mut film, done) = goal.film(size, window)?;
     let renderer = Renderer::new(&scene, options)?;
     // The renderer has its own tables.
     drop(scene);
-    let mut film = Film::try_crop(size, window)?;
-    let job = Render { sample: 0, spp: args.spp, seed: args.seed };
-    let stats = with_progress(args, window, |handle| renderer.render_with(&camera, &mut film, job, handle))?;
-    if args.shown.aov.is_empty() {
-        film.mean().write(&args.output, args.exposure)?;
-    } else {
+    let job = if goal.is_reached(&film, done) { Render { spp: done, ..goal.job } } else { goal.job };
+    let samples = window.area() as u64 * u64::from(job.spp - done);
+    let stats = with_progress(samples, args.time_limit, |handle| {
+        renderer.render_on(&camera, &mut film, job, done, handle, &mut |film, done| goal.after(film, done))
+    })?;
+    if args.part.sample_range.is_none() {
         let layers: Vec<_> = args.shown.aov.iter().map(|aov| (*aov).into()).collect();
         let job = Render { spp: stats.spp.max(1), ..job };
-        film.mean().write_with(&args.output, channels(&renderer, &camera, &film, job, &layers)?)?;
+        let layers = if layers.is_empty() { Vec::new() } else { channels(&renderer, &camera, &film, job, &layers)? };
+        write_image(&film, &args.output, args.exposure, args.part.variance, layers)?;
+    } else if stats.spp == 0 {
+        return Err(Error::new("no pass came to its end within --time-limit: there is no part"));
     }
-    let report = Report { args, size, load_time, renderer: &renderer, stats, dropped: film.dropped() };
+    let error = estimated_error(&film);
+    let report = Report { args, size, load_time, renderer: &renderer, stats, dropped: film.dropped(), error };
     Ok(if args.json { report.json() } else { report.text() })
 }
 
@@ -73,7 +77,7 @@ fn device(args: &RenderArgs) -> DeviceKind {
 /// The pixels that are asked for.
 fn window(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Window, Error> {
     let whole = Window { x: 0, y: 0, width, height };
-    let Some(crop) = args.crop else { return within_memory(whole) };
+    let Some(crop) = args.crop else { return within_memory(args, whole) };
     let [x, y, width, height] = crop.0;
     let window = Window { x, y, width, height };
     if !whole.contains(&window) {
@@ -81,51 +85,47 @@ fn window(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Window, Error>
             format!("--crop {x},{y},{width},{height} reaches beyond the film of {}x{}", whole.width, whole.height);
         return Err(Error::new(message));
     }
-    within_memory(window)
+    within_memory(args, window)
 }
 
 /// Refuse a film that would not fit into memory: that would end the process without a word.
-fn within_memory(window: Window) -> Result<Window, Error> {
-    if window.area() > MOST_PIXELS {
+fn within_memory(args: &RenderArgs, window: Window) -> Result<Window, Error> {
+    let most = if Goal::is_grouped(args) { MOST_PIXELS / GROUPS as usize } else { MOST_PIXELS };
+    if window.area() > most {
         let Window { width, height, .. } = window;
-        let message =
-            format!("a film of {width}x{height} is too large, at most {MOST_PIXELS} pixels: render parts by --crop");
+        let message = format!("a film of {width}x{height} is too large, at most {most} pixels: render parts by --crop");
         return Err(Error::new(message));
     }
     Ok(window)
 }
 
-/// Run `render`, with a progress bar on a terminal and within the time limit.
-fn with_progress<T: Send>(args: &RenderArgs, window: Window, render: impl FnOnce(&Handle) -> T + Send) -> T {
-    let handle = Handle::default();
-    let total = window.area() as u64 * u64::from(args.spp);
-    let deadline = args.time_limit.map(|s| Instant::now() + Duration::from_secs_f32(s));
-    std::thread::scope(|scope| {
-        let (done, finished) = mpsc::channel::<()>();
-        let handle = &handle;
-        scope.spawn(move || {
-            let bar = std::io::stderr().is_terminal().then(|| progress_bar(total));
-            while finished.recv_timeout(TICK) == Err(mpsc::RecvTimeoutError::Timeout) {
-                if let Some(bar) = &bar {
-                    bar.set_position(handle.samples_done());
-                }
-                if deadline.is_some_and(|d| Instant::now() >= d) {
-                    handle.cancel();
-                }
-            }
-            if let Some(bar) = bar {
-                bar.finish_and_clear();
-            }
-        });
-        let result = render(handle);
-        drop(done);
-        result
-    })
+/// Writes the image of a film: with layers beside it, its variance and others, where there are any.
+pub(super) fn write_image(
+    film: &Film,
+    path: &Path,
+    exposure: f32,
+    with_variance: bool,
+    mut layers: Vec<Channel>,
+) -> Result<(), Error> {
+    if with_variance {
+        layers.extend(components("variance", ["R", "G", "B"], &variance(film)));
+    }
+    if layers.is_empty() { film.mean().write(path, exposure) } else { film.mean().write_with(path, layers) }
 }
 
-fn progress_bar(total: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{wide_bar} {percent}% {elapsed} (left {eta})");
-    ProgressBar::new(total).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+/// What is said of the noise, if it is known.
+pub(super) fn noise_line(error: Option<f64>) -> String {
+    error.map_or_else(String::new, |e| format!("estimated relMSE {e:.3e}\n"))
+}
+
+/// What is said of samples that were dropped, if any were.
+pub(super) fn dropped_line(dropped: u64) -> String {
+    if dropped == 0 { String::new() } else { format!("{dropped} samples were not finite and were dropped\n") }
+}
+
+/// The estimated error of a film that tells it.
+pub(super) fn estimated_error(film: &Film) -> Option<f64> {
+    (film.groups() == GROUPS).then(|| relative_error(film)).filter(|e| e.is_finite())
 }
 
 /// What a render tells.
@@ -136,6 +136,8 @@ struct Report<'a> {
     renderer: &'a Renderer,
     stats: Stats,
     dropped: u64,
+    /// Estimated relative mean squared error.
+    error: Option<f64>,
 }
 
 impl Report<'_> {
@@ -162,6 +164,7 @@ impl Report<'_> {
             "rays": { "closest": self.stats.closest_rays, "shadow": self.stats.shadow_rays },
             "seconds": seconds,
             "dropped_samples": self.dropped,
+            "estimated_relmse": self.error,
         });
         format!("{object}\n")
     }
@@ -170,7 +173,7 @@ impl Report<'_> {
         let rays = self.stats.closest_rays + self.stats.shadow_rays;
         let seconds = self.stats.time.as_secs_f64();
         let phases: Vec<String> = self.phases().iter().map(|(n, s)| format!("{n} {:.0} ms", s * 1e3)).collect();
-        let mut text = format!(
+        let first = format!(
             "{}: {}x{}, {} spp, {:.1} million rays, {:.2} million rays/s\n{}\n",
             self.args.output.display(),
             self.size[0],
@@ -180,9 +183,6 @@ impl Report<'_> {
             rays as f64 / 1e6 / seconds.max(f64::MIN_POSITIVE),
             phases.join(", "),
         );
-        if self.dropped > 0 {
-            text += &format!("{} samples were not finite and were dropped\n", self.dropped);
-        }
-        text
+        first + &noise_line(self.error) + &dropped_line(self.dropped)
     }
 }

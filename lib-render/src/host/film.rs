@@ -30,6 +30,10 @@ const FRACTION_BITS: i32 = 64;
 /// 2^31 · 2^64 · 2^32 samples = 2^127, the room of an `i128`.
 pub const RANGE: f32 = crate::core::exact::RANGE;
 
+/// Groups in which a film can keep its samples apart, see [`Film::try_grouped`]. A power of two: sample s is in group
+/// s mod 8.
+pub const GROUPS: u32 = 8;
+
 /// A rectangle of pixels of the full image. Row 0 is the top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
@@ -71,6 +75,14 @@ struct Pixel {
     count: u32,
 }
 
+impl Pixel {
+    /// Adds the samples of another. Those of 2^32 renders never go round; a forged file may, and spoils its own image alone.
+    fn take(&mut self, other: &Pixel) {
+        self.count = self.count.wrapping_add(other.count);
+        self.sum.iter_mut().zip(other.sum).for_each(|(sum, more)| *sum = sum.wrapping_add(more));
+    }
+}
+
 /// Exact sums of linear RGB samples over a window of the image, at most 2^32 - 1 samples a pixel.
 ///
 /// A tile's film is a film with a smaller window: threads fill one each and [`Film::merge`] them, in any order.
@@ -78,7 +90,10 @@ struct Pixel {
 pub struct Film {
     size: [u32; 2],
     window: Window,
+    /// 1 or [`GROUPS`].
+    groups: u32,
     next_sample: u32,
+    /// All pixels of the first group, row by row, then those of the next.
     pixels: Vec<Pixel>,
     dropped: u64,
 }
@@ -110,15 +125,62 @@ impl Film {
     /// # Panics
     /// If the window reaches beyond the image.
     pub fn try_crop(size: [u32; 2], window: Window) -> Result<Film, Error> {
+        Film::empty(size, window, 1)
+    }
+
+    /// As [`Film::try_crop`], of a film that keeps [`GROUPS`] sums for each pixel, from which [`super::variance`] tells how
+    /// far off the mean is. It takes 512 bytes a pixel.
+    ///
+    /// # Errors
+    /// When there is no memory for so many pixels.
+    ///
+    /// # Panics
+    /// If the window reaches beyond the image.
+    pub fn try_grouped(size: [u32; 2], window: Window) -> Result<Film, Error> {
+        Film::empty(size, window, GROUPS)
+    }
+
+    /// An empty film over another window of the same image, with as many groups.
+    ///
+    /// # Errors
+    /// When there is no memory for so many pixels.
+    pub(super) fn over(&self, window: Window) -> Result<Film, Error> {
+        Film::empty(self.size, window, self.groups)
+    }
+
+    /// An empty film for a tile of a film with so many groups.
+    pub(super) fn tile(window: Window, groups: u32) -> Film {
+        let end = [window.x + window.width, window.y + window.height];
+        Film::empty(end, window, groups).unwrap_or_else(|e| panic!("Film::tile: {e}"))
+    }
+
+    fn empty(size: [u32; 2], window: Window, groups: u32) -> Result<Film, Error> {
         let whole = Window { x: 0, y: 0, width: size[0], height: size[1] };
         assert!(whole.contains(&window), "Film::crop: {window:?} reaches beyond {size:?}");
         let mut pixels = Vec::new();
-        if pixels.try_reserve_exact(window.area()).is_err() {
+        let all = window.area() * groups as usize;
+        if pixels.try_reserve_exact(all).is_err() {
             let Window { width, height, .. } = window;
             return Err(Error::new(format!("no memory for a film of {width}x{height}: render parts by --crop")));
         }
-        pixels.resize(window.area(), Pixel::default());
-        Ok(Film { size, window, next_sample: 0, pixels, dropped: 0 })
+        pixels.resize(all, Pixel::default());
+        Ok(Film { size, window, groups, next_sample: 0, pixels, dropped: 0 })
+    }
+
+    /// In how many groups samples are kept apart: 1 or [`GROUPS`].
+    pub fn groups(&self) -> u32 {
+        self.groups
+    }
+
+    /// The exact sums of a group, in units of 2^-64, and the numbers of its samples, pixel by pixel of the window.
+    pub fn group(&self, group: u32) -> impl Iterator<Item = ([i128; 3], u32)> {
+        let area = self.window.area();
+        self.pixels[group as usize * area..][..area].iter().map(|p| (p.sum, p.count))
+    }
+
+    /// Where the samples of this number are summed for a pixel.
+    fn place(&self, pixel: [u32; 2], number: u32) -> Option<usize> {
+        Some((number & (self.groups - 1)) as usize * self.window.area() + self.window.index(pixel)?)
     }
 
     /// Number of the first sample that no render has asked for yet: where the next one goes on.
@@ -141,15 +203,23 @@ impl Film {
         self.window
     }
 
-    /// Adds one sample (linear RGB radiance) to `pixel`, given as column and row of the full image.
+    /// Adds one sample (linear RGB radiance) to `pixel`, given as column and row of the full image; to the first group, where
+    /// there are more.
+    ///
+    /// As [`Film::add_sample`].
+    pub fn add(&mut self, pixel: [u32; 2], sample: [f32; 3]) {
+        self.add_sample(pixel, 0, sample);
+    }
+
+    /// Adds the sample of this number (linear RGB radiance) to `pixel`, given as column and row of the full image.
     ///
     /// A sample with a channel that is not finite or above [`RANGE`] in magnitude is dropped whole and counted: it
     /// enters neither the sum nor the number of samples. Negative values are accepted.
     ///
     /// # Panics
     /// If `pixel` lies outside the window, which is an error of the caller.
-    pub fn add(&mut self, pixel: [u32; 2], sample: [f32; 3]) {
-        let index = self.window.index(pixel).expect("Film::add: pixel outside the film's window");
+    pub fn add_sample(&mut self, pixel: [u32; 2], number: u32, sample: [f32; 3]) {
+        let index = self.place(pixel, number).expect("Film::add: pixel outside the film's window");
         // NaN compares false, so it is dropped too.
         if sample.iter().all(|s| s.abs() <= RANGE) {
             let pixel = &mut self.pixels[index];
@@ -163,31 +233,36 @@ impl Film {
     }
 
     /// Adds the exact sums of `count` samples of `pixel`, in units of 2^-64, as a device has summed them by itself (see
-    /// [`crate::core::exact`]); `dropped` more were dropped.
+    /// [`crate::core::exact`]); `dropped` more were dropped. All are of the group of sample `number`.
     ///
     /// # Panics
     /// If `pixel` lies outside the window, which is an error of the caller.
-    pub fn add_sum(&mut self, pixel: [u32; 2], sum: [i128; 3], count: u32, dropped: u32) {
-        let index = self.window.index(pixel).expect("Film::add_sum: pixel outside the film's window");
+    pub fn add_sum(&mut self, pixel: [u32; 2], number: u32, sum: [i128; 3], count: u32, dropped: u32) {
+        let index = self.place(pixel, number).expect("Film::add_sum: pixel outside the film's window");
         let pixel = &mut self.pixels[index];
-        pixel.count += count;
-        pixel.sum.iter_mut().zip(sum).for_each(|(into, sum)| *into += sum);
+        pixel.take(&Pixel { sum, count });
         self.dropped += u64::from(dropped);
     }
 
-    /// Adds the samples of the pixels that `other` has in common with this film, and what it dropped anywhere.
-    pub fn merge_common(&mut self, other: &Film) {
-        for (y, row) in (self.window.y..).zip(self.pixels.chunks_mut(self.window.width.max(1) as usize)) {
-            for (x, into) in (self.window.x..).zip(row) {
-                let Some(from) = other.window.index([x, y]).map(|index| other.pixels[index]) else { continue };
-                into.count += from.count;
-                into.sum.iter_mut().zip(from.sum).for_each(|(sum, part)| *sum += part);
+    /// Adds the samples of the pixels that `other` has in common with this film, and what it dropped anywhere. Both have
+    /// as many groups.
+    pub(super) fn merge_common(&mut self, other: &Film) {
+        let (window, area) = (self.window, other.window.area());
+        for (group, plane) in self.pixels.chunks_mut(window.area().max(1)).enumerate() {
+            for (y, row) in (window.y..).zip(plane.chunks_mut(window.width.max(1) as usize)) {
+                for (x, into) in (window.x..).zip(row) {
+                    let Some(index) = other.window.index([x, y]) else { continue };
+                    into.take(&other.pixels[group * area + index]);
+                }
             }
         }
         self.dropped += other.dropped;
     }
 
     /// Adds all samples of `part`, whose window must lie within this one's.
+    ///
+    /// # Errors
+    /// When it does not, or one of them keeps groups apart and the other does not.
     pub fn merge(&mut self, part: &Film) -> Result<(), Error> {
         if !self.window.contains(&part.window) {
             return Err(Error::new(format!(
@@ -195,16 +270,17 @@ impl Film {
                 part.window, self.window
             )));
         }
-        let width = part.window.width as usize;
-        for (dy, row) in part.pixels.chunks(width.max(1)).enumerate() {
-            let start = [part.window.x, part.window.y + dy as u32];
-            let start = self.window.index(start).expect("the part's rows lie within the window");
-            for (into, from) in self.pixels[start..start + width].iter_mut().zip(row) {
-                into.count += from.count;
-                for (sum, part_sum) in into.sum.iter_mut().zip(from.sum) {
-                    *sum += part_sum;
-                }
-            }
+        if self.groups != part.groups {
+            let (ours, theirs) = (self.groups, part.groups);
+            let message =
+                format!("Film::merge: a part with {theirs} groups of samples has no place in one with {ours}");
+            return Err(Error::new(message));
+        }
+        let (width, height) = (part.window.width as usize, part.window.height as usize);
+        for (row, from) in part.pixels.chunks(width.max(1)).enumerate() {
+            let start = [part.window.x, part.window.y + (row % height) as u32];
+            let start = self.place(start, (row / height) as u32).expect("the part's rows lie within the window");
+            self.pixels[start..start + width].iter_mut().zip(from).for_each(|(into, from)| into.take(from));
         }
         self.dropped += part.dropped;
         self.next_sample = self.next_sample.max(part.next_sample);
@@ -213,7 +289,7 @@ impl Film {
 
     /// Samples accepted by `pixel`, given as column and row of the full image; 0 outside the window.
     pub fn count(&self, pixel: [u32; 2]) -> u32 {
-        self.window.index(pixel).map_or(0, |index| self.pixels[index].count)
+        self.window.index(pixel).map_or(0, |index| self.total(index).count)
     }
 
     /// Samples dropped because a channel was not finite or above [`RANGE`].
@@ -221,10 +297,27 @@ impl Film {
         self.dropped
     }
 
+    /// So many samples more were dropped.
+    pub(super) fn drop_more(&mut self, samples: u64) {
+        self.dropped += samples;
+    }
+
     /// The image of the window: per pixel and channel the exact mean, rounded once to f32; black where no sample is.
     pub fn mean(&self) -> Image {
-        let mean = |p: &Pixel| p.sum.map(|sum| round_mean(sum, p.count));
-        Image { width: self.window.width, height: self.window.height, pixels: self.pixels.iter().map(mean).collect() }
+        let mean = |index| {
+            let total = self.total(index);
+            total.sum.map(|sum| round_mean(sum, total.count))
+        };
+        let pixels = (0..self.window.area()).map(mean).collect();
+        Image { width: self.window.width, height: self.window.height, pixels }
+    }
+
+    /// All samples of the pixel of this index in the window.
+    fn total(&self, index: usize) -> Pixel {
+        let mut total = self.pixels[index];
+        let others = self.pixels.iter().skip(index + self.window.area()).step_by(self.window.area());
+        others.for_each(|group| total.take(group));
+        total
     }
 }
 

@@ -7,7 +7,9 @@
 //! * [`error`]: what a user is told when something of his cannot be used,
 //! * [`film`]: the exact, order-free sum of samples,
 //! * [`image_io`]: linear images in memory and on disk,
+//! * [`variance`]: how far off a render is, told from itself,
 //! * [`exr`], [`aov`]: files of any channels, and the layers that denoisers and compositors ask for,
+//! * [`part`], [`origin`]: films on disk that can be added up, and what may be added to what,
 //! * [`bvh`]: the tree of boxes over a scene's triangles,
 //! * [`native`]: the walk of the device of streams by hand, for processors that have AVX-512,
 //! * [`distribution`]: what to sample how often, as tables for light and environment choice,
@@ -59,6 +61,9 @@ pub mod film;
 pub mod image_io;
 pub mod exr;
 pub mod aov;
+pub mod variance;
+pub mod origin;
+pub mod part;
 #[cfg(test)]
 mod random;
 pub mod student;

@@ -1,5 +1,6 @@
 //! A renderer in this process: load a scene, specialise, render.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -177,6 +178,9 @@ pub struct Stats {
     pub time: Duration,
 }
 
+/// What looks at a film after each pass, see [`Renderer::render_on`].
+pub type After<'a> = dyn FnMut(&Film, u32) -> Result<ControlFlow<()>, Error> + 'a;
+
 /// Most samples of a pixel in one pass over a tile. The first passes are shorter, so that a render that is ended early has
 /// a sample everywhere.
 pub(super) const SAMPLES_PER_PASS: u32 = 16;
@@ -255,16 +259,36 @@ impl Renderer {
     /// # Errors
     /// When the camera is not of the kind that the renderer is specialised for, the samples reach beyond 2^32, a kernel gives up: a fault of Jerboa, or the GPU is lost or out of memory.
     pub fn render_with(&self, camera: &Camera, film: &mut Film, job: Render, handle: &Handle) -> Result<Stats, Error> {
+        self.render_on(camera, film, job, 0, handle, &mut |_, _| Ok(ControlFlow::Continue(())))
+    }
+
+    /// As [`Renderer::render_with`], of a film that has the first `done` samples of the job. After each pass that was
+    /// completed `after` sees the film and the number of the job's samples in it, and says whether to go on. On every device
+    /// a pass ends at each multiple of 16.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_with`], and those of `after`.
+    pub fn render_on(
+        &self,
+        camera: &Camera,
+        film: &mut Film,
+        job: Render,
+        done: u32,
+        handle: &Handle,
+        after: &mut After<'_>,
+    ) -> Result<Stats, Error> {
         if job.sample.checked_add(job.spp).is_none() {
             let Render { sample, spp, .. } = job;
             return Err(Error::new(format!("{spp} samples from number {sample} on reach beyond 2^32: ask for fewer")));
         }
         let start = Instant::now();
-        let mut stats = Stats::default();
+        let mut stats = Stats { spp: done, ..Stats::default() };
         let (size, window) = (film.size(), film.window());
-        let mut first = 0;
+        // Who leaves sums leaves one for all samples of a pass.
+        let at_once = if film.groups() > 1 && self.leaves_sums() { 1 } else { SAMPLES_PER_PASS };
+        let mut first = done;
         while first < job.spp && !handle.is_cancelled() {
-            let samples = first.clamp(1, SAMPLES_PER_PASS).min(job.spp - first);
+            let samples = first.clamp(1, at_once).min(job.spp - first);
             let pass = Pass { size, window, sample: job.sample + first, samples, seed: job.seed };
             let (complete, [closest, shadow]) = self.pass(camera, film, pass, handle)?;
             stats.closest_rays += closest;
@@ -272,11 +296,19 @@ impl Renderer {
             first += samples;
             if complete {
                 stats.spp = first;
+                if after(film, first)?.is_break() {
+                    break;
+                }
             }
         }
         film.asked_below(job.sample + first);
         stats.time = start.elapsed();
         Ok(stats)
+    }
+
+    /// Does the device sum the samples of a pixel itself, or light of any pixel?
+    fn leaves_sums(&self) -> bool {
+        matches!(self.device, Device::Gpu(_)) || self.options.tracer.is_splatting()
     }
 
     /// Add one pass. Says whether it was completed, and how many closest-hit and shadow rays it took.

@@ -2,7 +2,8 @@
 //!
 //! Each thread has a row of exact sums for each pixel of the whole film; in the end they are added up, so neither order nor
 //! threads change a bit. The paths of all pixels are traced, whatever the window: light of any of them may fall into it. A
-//! pass is whole or absent, since half of one would be darker all over.
+//! pass is whole or absent, since half of one would be darker all over. Where the film keeps groups of samples apart, all
+//! samples of a pass are of one.
 
 use jerboa_ir::lang::Buf;
 use jerboa_scenes::Camera;
@@ -35,7 +36,7 @@ pub(super) fn pass(
 ) -> Result<(bool, [u64; 2]), Error> {
     let [width, height] = pass.size;
     let window = Window { x: 0, y: 0, width, height };
-    let mut whole = Film::try_crop(pass.size, window)?;
+    let mut whole = film.over(window)?;
     let tiles = Tiles::new(camera, tables.place(camera), Pass { window, ..pass }, tile, &mut whole, handle);
     let thread = |_| -> Result<Vec<u32>, Error> {
         let mut splats = buffer(window)?;
@@ -46,7 +47,7 @@ pub(super) fn pass(
     let all: Vec<_> = threads.into_par_iter().with_max_len(1).map(thread).collect::<Result<_, _>>()?;
     let (is_complete, rays) = (tiles.is_complete(), tiles.rays());
     if is_complete {
-        all.iter().for_each(|splats| add(&mut whole, width, splats));
+        all.iter().for_each(|splats| add(&mut whole, &pass, splats));
         film.merge_common(&whole);
     }
     Ok((is_complete, rays))
@@ -62,10 +63,10 @@ pub(super) fn buffer(window: Window) -> Result<Vec<u32>, Error> {
     Ok(words)
 }
 
-/// Add what a thread has summed.
-fn add(film: &mut Film, width: u32, splats: &[u32]) {
-    let dropped = Pixels::DROPPED.0 as usize;
+/// Add what a thread has summed of a pass.
+fn add(film: &mut Film, pass: &Pass, splats: &[u32]) {
+    let (dropped, [width, _]) = (Pixels::DROPPED.0 as usize, pass.size);
     for (pixel, row) in (0..).zip(splats.chunks(ROW)) {
-        film.add_sum([pixel % width, pixel / width], sums(row), 0, row[dropped]);
+        film.add_sum([pixel % width, pixel / width], pass.sample, sums(row), 0, row[dropped]);
     }
 }

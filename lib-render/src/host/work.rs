@@ -84,6 +84,8 @@ pub struct Tiles<'a> {
     side: u32,
     windows: Vec<Window>,
     next: AtomicUsize,
+    /// Groups of the film's samples.
+    groups: u32,
     film: Mutex<&'a mut Film>,
     handle: &'a Handle,
     complete: AtomicUsize,
@@ -113,6 +115,7 @@ impl<'a> Tiles<'a> {
             side,
             windows,
             next: AtomicUsize::new(0),
+            groups: film.groups(),
             film: Mutex::new(film),
             handle,
             complete: AtomicUsize::new(0),
@@ -141,7 +144,7 @@ impl<'a> Tiles<'a> {
         let window = *self.windows.get(self.next.fetch_add(1, Ordering::Relaxed))?;
         let pass = Pass { window, ..self.pass };
         let items = window.area() as u32 * pass.samples;
-        Some(Open { pass, items, left: items, film: Film::new(window), closest: 0, shadow: 0 })
+        Some(Open { pass, items, left: items, film: Film::tile(window, self.groups), closest: 0, shadow: 0 })
     }
 
     /// Add a complete tile to the film.
@@ -212,8 +215,9 @@ impl Work for Worker<'_, '_> {
         let (place, item) = ((number / self.stride()) as usize, number % self.stride());
         let tile = self.open[place].as_mut().expect("an item of an open tile");
         let (window, pixel) = (tile.pass.window, item / tile.pass.samples);
+        let sample = tile.pass.sample + item % tile.pass.samples;
         let at = [window.x + pixel % window.width, window.y + pixel / window.width];
-        tile.film.add(at, [r, g, b].map(f32::from_bits));
+        tile.film.add_sample(at, sample, [r, g, b].map(f32::from_bits));
         tile.closest += u64::from(closest);
         tile.shadow += u64::from(shadow);
         tile.left -= 1;

@@ -38,7 +38,7 @@ fn bench() -> Bench {
 fn film(sum: &[u32]) -> Film {
     let wide = |words: &[u32]| words.iter().rev().fold(0, |sum, word| sum << 32 | u128::from(*word)) as i128;
     let mut film = one();
-    film.add_sum([0, 0], std::array::from_fn(|c| wide(&sum[4 * c..][..4])), sum[12], sum[13]);
+    film.add_sum([0, 0], 0, std::array::from_fn(|c| wide(&sum[4 * c..][..4])), sum[12], sum[13]);
     film
 }
 

@@ -1,6 +1,7 @@
 //! The words of the command line, exactly as scripts use them.
 
 mod bench;
+mod parts;
 mod render;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ pub use super::efficiency::ErrorArgs;
 pub use super::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, OutputArgs, RenderedArgs, Table2Args};
 pub use super::shown::{AovArg, ShownArgs, TracerArg};
 pub use bench::*;
+pub use parts::*;
 pub use render::*;
 pub use values::*;
 
@@ -30,6 +32,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to an image
     Render(Box<RenderArgs>),
+    /// Add up partial renders, to the very bits of the whole
+    Merge(MergeArgs),
     /// Show what the renderer becomes for a scene, stage by stage
     Dump(DumpArgs),
     /// Measure loading, specialization and code generation

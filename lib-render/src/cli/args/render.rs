@@ -1,8 +1,9 @@
 //! The words of `jerboa render`.
 
 use super::values::*;
-use super::{DEFAULT_SCENE, ShownArgs};
+use super::{DEFAULT_SCENE, PartArgs, ShownArgs};
 use clap::Args;
+use clap::builder::ArgPredicate;
 use std::path::PathBuf;
 
 /// What to show of a file that holds more than one of it.
@@ -34,9 +35,13 @@ pub struct RenderArgs {
     /// Where the image goes: .exr is linear, .png is exposed, clamped to [0, 1] and sRGB-encoded
     #[arg(short, long, value_name = "OUT", default_value = "out.png")]
     pub output: PathBuf,
-    /// Samples per pixel
+    /// Samples per pixel; 65536 with --noise, if nothing else is said
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(default_value_if("noise", ArgPredicate::IsPresent, "65536"))]
     pub spp: u32,
+    /// How much to render, and what to keep.
+    #[command(flatten)]
+    pub part: PartArgs,
     /// Width in pixels [default: the camera's extras.width, else 1280]
     #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub width: Option<u32>,
@@ -116,7 +121,7 @@ pub struct RenderArgs {
     /// Stop after this time and write what is there
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<f32>,
-    /// Print spp, rays, seconds by phase and dropped samples as JSON
+    /// Print spp, rays, seconds by phase, dropped samples and the estimated error as JSON
     #[arg(long)]
     pub json: bool,
 }

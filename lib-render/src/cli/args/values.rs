@@ -122,6 +122,14 @@ pub(in crate::cli) fn finite_not_negative(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|x| *x >= 0.0).ok_or_else(|| "expected a finite number, 0 or more".into())
 }
 
+/// `text` as a finite number above 0.
+pub(in crate::cli) fn positive(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite() && *x > 0.0)
+        .ok_or_else(|| "expected a finite number above 0".into())
+}
+
 /// `text` as a probability above 0: a cap of 0 would end every path.
 pub(in crate::cli) fn probability(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|x| *x > 0.0 && *x <= 1.0).ok_or_else(|| "expected a number above 0, at most 1".into())

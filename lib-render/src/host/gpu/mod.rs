@@ -145,7 +145,8 @@ impl<M: Machine> Device<M> {
         &self.machine
     }
 
-    /// Add a pass to the film, whose window is the pass's. `frame` is what [`super::tables::frame`] makes of it. Says whether
+    /// Add a pass to the film, whose window is the pass's; a film that keeps groups of samples apart takes all of them for
+    /// samples of the first one's group. `frame` is what [`super::tables::frame`] makes of it. Says whether
     /// it was completed, and how many closest-hit and shadow rays it took.
     ///
     /// # Errors
@@ -203,7 +204,7 @@ fn add(film: &mut Film, pass: &Pass, pixel: u32, row: &[u32; 16], rays: &mut [u6
     let at = |column: jerboa_ir::lang::Col<Pixels, jerboa_ir::lang::U32>| row[column.0 as usize];
     let window = pass.window;
     let place = [window.x + pixel % window.width, window.y + pixel / window.width];
-    film.add_sum(place, sums(row), at(Pixels::COUNT), at(Pixels::DROPPED));
+    film.add_sum(place, pass.sample, sums(row), at(Pixels::COUNT), at(Pixels::DROPPED));
     rays[0] += u64::from(at(Pixels::CLOSEST));
     rays[1] += u64::from(at(Pixels::SHADOW));
 }
