@@ -1,7 +1,8 @@
 //! Does a render know its own error? The estimates of [`jerboa_lib_render::host::variance`] against errors that are measured:
 //! K independent renders of a scene, compared with each other and with a long render of another seed.
 //!
-//! `JERBOA_RENDERS` renders, 16 otherwise. Seeds are 1 to K, and 1000 for the long render.
+//! `JERBOA_RENDERS` renders, 16 otherwise, of `JERBOA_SAMPLES` samples, 64 otherwise. Seeds are 1 to K, and 1000 for the long
+//! render. `tests/runs/noise.txt` has runs.
 
 use jerboa_lib_render::host::compare::mean_image;
 use jerboa_lib_render::host::film::{Film, Window};
@@ -38,38 +39,39 @@ fn relative(reference: &Image, error: impl Fn(usize, usize) -> f64) -> f64 {
 #[test]
 fn the_estimated_error_is_the_measured_one() {
     let renders = number("JERBOA_RENDERS", 16) as u32;
+    let spp = number("JERBOA_SAMPLES", 64) as u32;
     for name in SCENES {
         let scene = Scene::load(format!("builtin:{name}")).unwrap_or_else(|e| panic!("{e}"));
         let renderer = Renderer::new(&scene, Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let long = film(&renderer, &scene, 2048, 1000).mean();
-        for spp in [16, 64] {
-            let films: Vec<Film> = (1..=renders).map(|seed| film(&renderer, &scene, spp, seed)).collect();
-            let images: Vec<Image> = films.iter().map(Film::mean).collect();
-            // Without bias, whatever the long render is: variances of pixels, against those between the renders.
-            let mean = mean_image(&images);
-            let off = |image: &Image, i: usize, c: usize| f64::from(image.pixels[i][c]) - f64::from(mean.pixels[i][c]);
-            let errors: Vec<f64> = images
-                .iter()
-                .map(|image| {
-                    relative(&long, |i, c| off(image, i, c).powi(2)) * f64::from(renders) / f64::from(renders - 1)
-                })
-                .collect();
-            let (measured, of_measured) = stats::mean(errors.iter().copied());
-            let told: Vec<f64> = films
-                .iter()
-                .map(|film| {
-                    let variance = variance(film);
-                    relative(&long, |i, c| variance.pixels[i][c].into())
-                })
-                .collect();
-            let (variance, of_variance) = stats::mean(told.iter().copied());
-            let error = of_measured.hypot(of_variance);
-            let (estimated, of_estimated) = stats::mean(films.iter().map(relative_error));
-            println!(
-                "{name}, {spp} spp: measured {measured:.3e} ± {of_measured:.0e}, by variance {variance:.3e} ± {of_variance:.0e}, estimated {estimated:.3e} ± {of_estimated:.0e}, ratio {:.3}",
-                estimated / measured
-            );
-            assert!((variance - measured).abs() <= 4.0 * error, "{name}, {spp} spp");
+        let films: Vec<Film> = (1..=renders).map(|seed| film(&renderer, &scene, spp, seed)).collect();
+        let images: Vec<Image> = films.iter().map(Film::mean).collect();
+        // Without bias, whatever the long render is: variances of pixels, against those between the renders.
+        let mean = mean_image(&images);
+        let off = |image: &Image, i: usize, c: usize| f64::from(image.pixels[i][c]) - f64::from(mean.pixels[i][c]);
+        let errors: Vec<f64> = images
+            .iter()
+            .map(|image| relative(&long, |i, c| off(image, i, c).powi(2)) * f64::from(renders) / f64::from(renders - 1))
+            .collect();
+        let (measured, of_measured) = stats::mean(errors.iter().copied());
+        let told: Vec<f64> = films
+            .iter()
+            .map(|film| {
+                let variance = variance(film);
+                relative(&long, |i, c| variance.pixels[i][c].into())
+            })
+            .collect();
+        let (unbiased, of_unbiased) = stats::mean(told.iter().copied());
+        let error = of_measured.hypot(of_unbiased);
+        let (estimated, of_estimated) = stats::mean(films.iter().map(relative_error));
+        println!(
+            "{name}, {spp} spp: measured {measured:.3e} ± {of_measured:.0e}, by variance {unbiased:.3e} ± {of_unbiased:.0e}, estimated {estimated:.3e} ± {of_estimated:.0e}, ratio {:.3}",
+            estimated / measured
+        );
+        assert!((unbiased - measured).abs() <= 4.0 * error, "{name}, {spp} spp");
+        // With fewer samples what is rare is not known yet.
+        if spp >= 64 {
+            assert!((0.8..1.2).contains(&(estimated / measured)), "{name}, {spp} spp");
         }
     }
 }
