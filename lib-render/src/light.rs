@@ -14,9 +14,13 @@ use crate::schema::*;
 
 pub mod area;
 pub mod directional;
+pub mod disk;
 pub mod environment;
 pub mod point;
+pub mod seen;
+pub mod sphere;
 pub mod spot;
+pub mod sun;
 pub mod tree;
 
 /// A light as seen from a point: for next event estimation.
@@ -123,6 +127,9 @@ pub fn with_light<T: Staged>(b: &mut Block, index: U32, body: impl Fn(&mut Block
                 (LIGHT_DIRECTIONAL, &|b| body(b, directional::make_directional_light(row))),
                 (LIGHT_TRIANGLE, &|b| body(b, area::make_triangle_light(row))),
                 (LIGHT_QUAD, &|b| body(b, area::make_quad_light(row))),
+                (LIGHT_SPHERE, &|b| body(b, sphere::make_sphere_light(row))),
+                (LIGHT_DISK, &|b| body(b, disk::make_disk_light(row))),
+                (LIGHT_SUN, &|b| body(b, sun::make_sun(row))),
             ],
             |b| own_or_environment(b, row, 0, &body),
         )
@@ -173,17 +180,22 @@ pub fn hit_pdf(b: &mut Block, light: U32, from: Vec3, distance: F32, cos: F32) -
         b.if_(light.ne(NONE), seen, |_| F32::from(0.0))
     };
     let pdf = b.if_(by_solid_angle(), by_angle, |_| area_pdf(light) * distance * distance / cos.abs());
-    let in_tree = |b: &mut Block| {
-        let of_light = |b: &mut Block| {
-            let probability = tree::probability(b, light, from);
-            chosen(light, probability, pdf)
-        };
-        b.if_(light.ne(NONE), of_light, |_| F32::from(0.0))
-    };
+    let in_tree =
+        |b: &mut Block| b.if_(light.ne(NONE), |b| with_choice_by_tree(b, light, from, pdf), |_| F32::from(0.0));
     b.if_(has_tree(), in_tree, |_| pdf)
 }
 
-/// Position, or first corner.
+/// The density of a light that has a place, as a point's light sampling has it, from that with the choice by its power.
+pub fn with_choice(b: &mut Block, light: U32, from: Vec3, pdf: F32) -> F32 {
+    b.if_(has_tree(), |b| with_choice_by_tree(b, light, from, pdf), |_| pdf)
+}
+
+fn with_choice_by_tree(b: &mut Block, light: U32, from: Vec3, pdf: F32) -> F32 {
+    let probability = tree::probability(b, light, from);
+    chosen(light, probability, pdf)
+}
+
+/// Position, middle, or first corner.
 pub fn position(row: Row<Lights>) -> Vec3 {
     vec3(row.get(Lights::P_X), row.get(Lights::P_Y), row.get(Lights::P_Z))
 }

@@ -62,6 +62,10 @@ table! {
         CAMERA: U32, structure;
         /// Do instances share triangles?
         HAS_INSTANCES: Bool, structure;
+        /// Is there a sphere or a disk among the lights?
+        HAS_SHAPES: Bool, structure;
+        /// Is there a sun?
+        HAS_SUNS: Bool, structure;
         /// Roulette may end a path from this scattering on.
         RR_DEPTH: U32, value;
         /// Largest survival probability.
@@ -78,6 +82,10 @@ table! {
         INSTANCE_COUNT: U32, value;
         /// Number of lights in the tree: the first ones.
         TREE_LIGHTS: U32, value;
+        /// Number of spheres and disks: the first rows of [`SeenLights`].
+        SHAPES: U32, value;
+        /// Number of suns: its other rows.
+        SUNS: U32, value;
     }
 }
 
@@ -187,6 +195,7 @@ pub const BUFFERS: &[Spec] = &[
     spec::<Parameters>(),
     spec::<LightVertices>(),
     spec::<Sampling>(),
+    spec::<SeenLights>(),
 ];
 
 /// Declare every buffer in the program that is being built.

@@ -36,7 +36,8 @@
 //!   Another model of scattering by the material's own `extras.bsdf: {"model": NAME, …}`, see [`Model`].
 //! - **Images**: PNG, JPEG, WebP (EXT_texture_webp), kept at eight bits; wrap modes and the magnification filter.
 //!   From the sampler's `extras`: `{filter: "bicubic"}`, and `{border: [r, g, b, a]}`, linear, for all outside of the image.
-//! - **Light**: KHR_lights_punctual, and an environment named by the scene's own
+//! - **Light**: KHR_lights_punctual, with a size by the light's own `extras`, see [`LightKind`]: `{radius}` makes a point a sphere
+//!   and a spot a disk, `{angle}` a directional light a sun. And an environment named by the scene's own
 //!   `extras.environment: {uri, intensity, rotation_deg}` (.hdr, .exr; or `sky` in place of `uri`, with the numbers of a
 //!   [`Sky`]) or given later by [`Scene::set_environment`].
 //! - **Shapes**: morph targets and skins, at rest or at a moment of the file's animations (steps, lines and cubic splines

@@ -81,7 +81,7 @@ const FEATURES: &[Feature] = &[
     },
     Feature {
         name: "spot lights",
-        used: |s| s.lights.iter().any(|l| matches!(l.kind, LightKind::Spot { .. })),
+        used: |s| s.lights.iter().any(|l| matches!(l.kind, LightKind::Spot { .. } | LightKind::Disk { .. })),
         words: &["Lights.COS_OUTER", "Lights.COS_INNER"],
     },
     Feature {
@@ -91,6 +91,17 @@ const FEATURES: &[Feature] = &[
     },
     Feature { name: "light", used: is_lit, words: &["Lights."] },
     Feature { name: "a choice among lights", used: |s| light_shapes(s) > 1, words: &["LightChoice."] },
+    Feature {
+        name: "spheres and disks of light",
+        used: |s| s.lights.iter().any(|l| matches!(l.kind, LightKind::Sphere { .. } | LightKind::Disk { .. })),
+        words: &["Settings.SHAPES", "Lights.RADIUS"],
+    },
+    Feature {
+        name: "suns",
+        used: |s| s.lights.iter().any(|l| matches!(l.kind, LightKind::Sun { .. })),
+        words: &["Settings.SUNS", "Lights.OPENING"],
+    },
+    Feature { name: "lights that are seen without a surface", used: has_seen_lights, words: &["SeenLights."] },
 ];
 
 #[test]
@@ -179,6 +190,11 @@ fn has_patterns(scene: &Scene) -> bool {
 
 fn is_lit(scene: &Scene) -> bool {
     !scene.lights.is_empty() || scene.environment.is_some() || any(scene, Material::is_emissive)
+}
+
+fn has_seen_lights(scene: &Scene) -> bool {
+    let is_seen = |kind| matches!(kind, LightKind::Sphere { .. } | LightKind::Disk { .. } | LightKind::Sun { .. });
+    scene.lights.iter().any(|light| is_seen(light.kind))
 }
 
 /// Lights and triangles that shine, and the environment. (Two triangles may be one light.)

@@ -15,9 +15,18 @@ use jerboa_tests::harness::many::shaders;
 use jerboa_tests::sources::shared_scenes;
 use jerboa_tests::spirv::gpu;
 
-/// Built-ins of T3: area light, metals and glass under an environment, every filter, cut-outs, textures, many lights.
-const BUILTINS: [&str; 7] =
-    ["cornell-box", "material-balls", "fine-textures", "alpha", "checkerboard", "many-lights", "pebbles"];
+/// Built-ins of T3: area light, metals and glass under an environment, every filter, cut-outs, textures, many lights,
+/// instances, lights without a surface.
+const BUILTINS: [&str; 8] = [
+    "cornell-box",
+    "material-balls",
+    "fine-textures",
+    "alpha",
+    "checkerboard",
+    "many-lights",
+    "pebbles",
+    "round-lights",
+];
 
 /// Matched scenes of T3.
 const MATCHED: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];

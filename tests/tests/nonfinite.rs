@@ -59,6 +59,7 @@ fn balls(material: Material) -> Scene {
     scene.lights.push(light(LightKind::Point, -2.0));
     scene.lights.push(light(LightKind::Spot { inner: 0.3, outer: 0.6 }, 0.0));
     scene.lights.push(light(LightKind::Directional, 0.0));
+    scene.lights.push(light(LightKind::Sphere { radius: 0.1 }, -1.0));
     scene
 }
 
@@ -117,6 +118,26 @@ fn extreme_power_is_finite_and_what_is_beyond_the_film_is_counted() {
             // The film's step is 2^-64.
             assert!(power > 1.0 || is_black(&image) == (power < 1e-20), "{what}");
         }
+    }
+}
+
+/// Lights of all sizes: of none that can be seen, larger than the scene, around the camera, half in the floor and in its plane.
+#[test]
+fn extreme_sizes_drop_nothing() {
+    let mut scene = load("point-light");
+    let mut check = |kind: LightKind, height: f64| {
+        scene.lights[0].kind = kind;
+        scene.lights[0].to_world.translation.y = height;
+        assert_eq!(dropped(&format!("{kind:?} at {height}"), &scene), 0, "{kind:?} at {height}");
+    };
+    for height in [1.0, 0.0, -1e-7] {
+        for radius in [f32::from_bits(1), 1e-30, 1e-15, 1e-9, 1e-3, 1.0, 30.0, 1e15, 1e19, f32::MAX] {
+            check(LightKind::Sphere { radius }, height);
+            check(LightKind::Disk { inner: 0.0, outer: std::f32::consts::FRAC_PI_2, radius }, height);
+        }
+    }
+    for angle in [f32::from_bits(1), 1e-7, 1e-6, 1e-3, 1.0, std::f32::consts::PI] {
+        check(LightKind::Sun { angle }, 1.0);
     }
 }
 

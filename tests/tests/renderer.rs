@@ -22,9 +22,17 @@ use jerboa_tests::sources::shared_scenes;
 const LEVELS: [Known; 3] = [Known::Nothing, Known::Structure, Known::All];
 
 /// Built-ins of T3, each with something the others lack: area light, metals and glass under an environment, cut-outs,
-/// textures, many lights, instances, every filter.
-const BUILTINS: [&str; 7] =
-    ["cornell-box", "material-balls", "alpha", "checkerboard", "many-lights", "pebbles", "fine-textures"];
+/// textures, many lights, instances, every filter, lights without a surface.
+const BUILTINS: [&str; 8] = [
+    "cornell-box",
+    "material-balls",
+    "alpha",
+    "checkerboard",
+    "many-lights",
+    "pebbles",
+    "fine-textures",
+    "round-lights",
+];
 
 /// Matched scenes of T3.
 const MATCHED: [&str; 4] = ["cornell-box", "living-room", "staircase", "coffee-maker"];

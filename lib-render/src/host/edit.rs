@@ -14,7 +14,7 @@ use jerboa_scenes::{Material, Scene, TextureSource};
 use super::clock::thread_time;
 use super::error::Error;
 use super::generate::{Generated, Request, generate};
-use super::renderer::{Device, Options, Renderer};
+use super::renderer::{Device, Options, Renderer, check_tracer};
 use super::tables::models::check_models;
 use super::tables::{Change, Tables};
 
@@ -78,13 +78,15 @@ impl Renderer {
     /// and shares what has not changed.
     ///
     /// # Errors
-    /// When the scene has no such part, or the part refers to what is not there or names a model that is not; or when the
+    /// When the scene has no such part, or the part refers to what is not there, names a model that is not, or is a light that
+    /// the tracer does not know; or when the
     /// evaluator or the code generator gives up: a fault of Jerboa.
     pub fn edited(&self, scene: &Scene, part: Part) -> Result<(Renderer, Edit), Error> {
         let (start, thread_start) = (Instant::now(), thread_time());
         let change = self.reach(scene, part)?;
         let Options { choices, known, .. } = self.options;
         let tables = self.tables.changed(scene, &choices, known, change);
+        check_tracer(&tables, &self.options)?;
         let mut work = thread_time().saturating_sub(thread_start);
         if self.options.device.is_gpu() {
             return self.made_anew(tables, start, work);

@@ -107,12 +107,7 @@ impl Device {
 
     /// The device for these tables, and the wall times of specialisation and of code generation.
     pub(super) fn made(tables: &Tables, options: &Options) -> Result<(Device, Duration, Duration), Error> {
-        if options.tracer.is_splatting() && tables.camera != CameraKind::Pinhole {
-            return Err(Error::new("paths from lights end in pinholes only: choose another camera or tracer"));
-        }
-        if options.tracer.is_splatting() && options.choices.cull_back_faces {
-            return Err(Error::new("back faces are culled for paths from the camera only: choose another tracer"));
-        }
+        check_tracer(tables, options)?;
         let requests = options.device.requests(tables, options.tracer);
         if options.device.is_gpu() {
             let machine = RealMachine::new(tables, &requests, options.keep)?;
@@ -123,6 +118,23 @@ impl Device {
         let Kernels { kernels, specialize_time, codegen_time } = generate(tables, &requests, options.keep)?;
         Ok((Device::new(kernels, options), specialize_time, codegen_time))
     }
+}
+
+/// Can the tracer that is asked for render what is in these tables?
+pub(super) fn check_tracer(tables: &Tables, options: &Options) -> Result<(), Error> {
+    if options.tracer.is_splatting() && tables.camera != CameraKind::Pinhole {
+        return Err(Error::new("paths from lights end in pinholes only: choose another camera or tracer"));
+    }
+    if options.tracer.is_splatting() && options.choices.cull_back_faces {
+        return Err(Error::new("back faces are culled for paths from the camera only: choose another tracer"));
+    }
+    if options.tracer == TracerKind::Bidirectional && tables.lights.shapes + tables.lights.suns > 0 {
+        return Err(Error::new(
+            "the bidirectional tracer does not know lights with a size (extras.radius, extras.angle): choose another \
+             tracer, or take the sizes away",
+        ));
+    }
+    Ok(())
 }
 
 /// Which samples to render.

@@ -39,9 +39,9 @@ pub fn make_spot_light(row: Row<Lights>) -> Light {
     }
 }
 
-/// Intensity in a direction away from the light, W/sr: falls with the square of a ramp in the cosine (KHR_lights_punctual,
+/// Intensity in a direction away from the light, W/sr (of a disk, over its area): falls with the square of a ramp in the cosine (KHR_lights_punctual,
 /// "Inner and Outer Cone Angles").
-fn intensity(row: Row<Lights>, dir: Vec3) -> Color {
+pub fn intensity(row: Row<Lights>, dir: Vec3) -> Color {
     let (outer, inner) = (row.get(Lights::COS_OUTER), row.get(Lights::COS_INNER));
     let edge = (inner - outer).max(SMALLEST_EDGE);
     let ramp = ((first_edge(row).dot(dir) - outer) / edge).max(F32::from(0.0)).min(1.0);

@@ -16,6 +16,12 @@ pub const LIGHT_TRIANGLE: u32 = 3;
 pub const LIGHT_QUAD: u32 = 4;
 /// [`Lights::KIND`]: the environment map.
 pub const LIGHT_ENVIRONMENT: u32 = 5;
+/// [`Lights::KIND`]: a ball that shines, without a surface.
+pub const LIGHT_SPHERE: u32 = 6;
+/// [`Lights::KIND`]: a disk that shines like a spot, without a surface.
+pub const LIGHT_DISK: u32 = 7;
+/// [`Lights::KIND`]: a disk in the sky.
+pub const LIGHT_SUN: u32 = 8;
 /// [`Lights::KIND`]: the first light of a user's crate; the others follow.
 pub const LIGHT_OWN: u32 = 64;
 
@@ -40,13 +46,14 @@ table! {
         PRIMITIVE: U32, value;
         /// Area lights: the second primitive of a quad, or `NONE`. Its corners are P0+E1+E2, P0+E2, P0+E1 in some order.
         PRIMITIVE1: U32, value;
-        /// Position, or corner P0 of an area light, world.
+        /// Position, middle of a sphere or a disk, or corner P0 of an area light, world.
         P_X: F32, value;
         /// See [`Lights::P_X`].
         P_Y: F32, value;
         /// See [`Lights::P_X`].
         P_Z: F32, value;
-        /// Edge P1 − P0 of an area light, m; direction in which a spot or a directional light shines, unit.
+        /// Edge P1 − P0 of an area light, m; direction in which a spot, a disk, a directional light or a
+        /// sun's middle shines, unit.
         E1_X: F32, value;
         /// See [`Lights::E1_X`].
         E1_Y: F32, value;
@@ -58,7 +65,7 @@ table! {
         E2_Y: F32, value;
         /// See [`Lights::E2_X`].
         E2_Z: F32, value;
-        /// Radiance (area), intensity W/sr (point, spot), irradiance W/m² (directional).
+        /// Radiance (area, sphere, sun; disk along its axis), intensity W/sr (point, spot), irradiance W/m² (directional).
         R: F32, value;
         /// See [`Lights::R`].
         G: F32, value;
@@ -66,9 +73,9 @@ table! {
         B: F32, value;
         /// Area, m².
         AREA: F32, value;
-        /// Spot: cosine of the outer angle.
+        /// Spot and disk: cosine of the outer angle.
         COS_OUTER: F32, value;
-        /// Spot: cosine of the inner angle.
+        /// Spot and disk: cosine of the inner angle.
         COS_INNER: F32, value;
         /// Radius of the scene's bounding sphere, m (emission sampling of infinite lights).
         SCENE_RADIUS: F32, value;
@@ -78,6 +85,18 @@ table! {
         ABSORPTION_G: F32, value;
         /// See [`Lights::ABSORPTION_R`].
         ABSORPTION_B: F32, value;
+        /// Sphere and disk: radius, m.
+        RADIUS: F32, value;
+        /// Sun: 1 − cosine of half the angle across.
+        OPENING: F32, value;
+    }
+}
+
+table! {
+    /// Lights that are seen though they have no surface: spheres and disks, then suns.
+    pub SeenLights {
+        /// The light, a row of [`Lights`].
+        LIGHT: U32, bulk;
     }
 }
 

@@ -15,6 +15,7 @@ use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
 use crate::light::environment::seen_environment;
+use crate::light::seen::{has_shapes, has_suns, sum_of_shapes, sum_of_suns};
 use crate::light::{DirectLightSample, hit_pdf, sample_light};
 use crate::material::{EmissionValue, Material};
 use crate::mis::power_heuristic;
@@ -31,12 +32,17 @@ pub fn make_path_tracer(camera: CameraFn) -> Tracer {
     Tracer {
         on_emit: Fun::lam(move |b, (x, y, sample): (U32, U32, U32)| first_ray(b, camera, x, y, sample)),
         on_hit: OnHitFn::lam(|b, (ray, hit, state, surf, mat)| {
-            emitted(b, (ray, hit, state), mat, |b, _| {
+            let own = emitted(b, (ray, hit, state), mat, |b, _| {
                 let by_light = hit_pdf(b, surf.light, ray.org, hit.t, surf.face_cos(ray.dir));
                 by_chance(state, by_light)
-            })
+            });
+            b.if_(has_shapes(), |b| own + shapes(b, ray, state, hit.t), |_| own)
         }),
-        on_miss: OnMissFn::lam(|b, (ray, state)| sky(b, ray, state, |by_light| by_chance(state, by_light))),
+        on_miss: OnMissFn::lam(|b, (ray, state)| {
+            let sky = sky(b, ray, state, |by_light| by_chance(state, by_light));
+            let sky = b.if_(has_suns(), |b| sky + suns(b, ray, state), |_| sky);
+            b.if_(has_shapes(), |b| sky + shapes(b, ray, state, F32::from(f32::INFINITY)), |_| sky)
+        }),
         on_shadow: OnShadowFn::exits(|b, (ray, hit, state, surf, mat, emit, skip)| {
             b.when(!asks_for_light(state, mat), |b| skip.take(b, ()));
             let light = sample_light(b, state.rng.vertex(state.vertex, DIM_LIGHT), surf.point);
@@ -177,6 +183,19 @@ pub(super) fn sky(b: &mut Block, ray: Ray, state: RayState, weight: impl Fn(F32)
         from_afar(b, state).absorb(radiance) * weight
     };
     b.if_(settings().get(Settings::HAS_ENVIRONMENT), radiance, |_| black())
+}
+
+/// What spheres and disks add that a ray meets before this distance.
+fn shapes(b: &mut Block, ray: Ray, state: RayState, until: F32) -> Color {
+    sum_of_shapes(b, ray.org, ray.dir, until, |b, met| {
+        let throughput = arriving(b, state, Hit::miss(met.distance));
+        throughput.absorb(met.radiance) * by_chance(state, met.pdf_dir)
+    })
+}
+
+/// What suns add to a ray that hits nothing.
+fn suns(b: &mut Block, ray: Ray, state: RayState) -> Color {
+    sum_of_suns(b, ray.dir, |b, met| from_afar(b, state).absorb(met.radiance) * by_chance(state, met.pdf_dir))
 }
 
 /// What a light sample adds if nothing is in between; its weight is told the density of BSDF sampling.

@@ -47,6 +47,22 @@ pub(super) fn sun() -> Scene {
     scene
 }
 
+/// A ball of light beside a metal ball and a glass ball, a disk of light over them, and a low sun, on a grey floor.
+pub(super) fn round_lights() -> Scene {
+    let mut scene = grey_floor();
+    let metal = scene.paint(Material::metal("metal", [0.9, 0.7, 0.4], 0.15));
+    let glass = scene.paint(Material::glass("glass", 1.5));
+    scene.place(sphere(vec3(-0.7, 0.4, -0.2), 0.4, 5), metal);
+    scene.place(sphere(vec3(0.7, 0.4, -0.2), 0.4, 5), glass);
+    scene.lights.push(light(LightKind::Sphere { radius: 0.12 }, 0.5, down_from(0.0, 0.3, 0.3)));
+    let disk = LightKind::Disk { inner: 0.4, outer: 0.9, radius: 0.3 };
+    scene.lights.push(light(disk, 2.0, down_from(0.0, 1.6, -0.4)));
+    let slant = DAffine3::from_rotation_y(-2.6) * DAffine3::from_rotation_x(-12f64.to_radians());
+    scene.lights.push(light(LightKind::Sun { angle: 0.05 }, 1.5, slant));
+    scene.view([0.0, 1.0, 3.4], [0.0, 0.5, 0.0], 0.7, (400, 300));
+    scene
+}
+
 /// A ball, a block and a metal ball on a floor under a clear sky and its sun, 35 degrees high and behind the camera's right
 /// shoulder.
 pub(super) fn sunlit() -> Scene {

@@ -239,6 +239,7 @@ pub(super) static BUILTINS: &[Builtin] = &[
     plain("point-light", "a floor under a point light: closed form", lights::point_light),
     plain("spot", "a floor under a spot light: closed form, with its falloff", lights::spot),
     plain("sun", "a floor and a block in directional light: closed form, with a hard shadow", lights::sun),
+    plain("round-lights", "a ball and a disk of light, and a sun: seen, mirrored and refracted", lights::round_lights),
     plain("sunlit", "balls and a block under a clear sky and its sun", lights::sunlit),
     plain("quad-light", "a floor under a square lamp: closed form below its centre", lights::quad_light),
     hard(

@@ -325,6 +325,34 @@ fn cameras_and_lights() {
     assert!((scene.lights[2].direction() - DVec3::NEG_Y).length() < 1e-12);
 }
 
+#[test]
+fn lights_take_a_size_from_their_extras() {
+    let mut d = triangle();
+    d["extensions"]["KHR_lights_punctual"]["lights"] = json!([
+        {"type": "point", "extras": {"radius": 0.25}},
+        {"type": "spot", "spot": {"innerConeAngle": 0.25}, "extras": {"radius": 2}},
+        {"type": "directional", "extras": {"angle": 0.5, "radius": 1}},
+        {"type": "point", "extras": {"radius": 0, "angle": "wide"}},
+        {"type": "point", "extras": {"radius": 1e-300}},
+    ]);
+    let light = |i: usize| json!({"extensions": {"KHR_lights_punctual": {"light": i}}});
+    d["nodes"] = (0..5).map(light).collect();
+    d["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4]);
+    let kinds: Vec<LightKind> = load(&d).unwrap().lights.iter().map(|l| l.kind).collect();
+    let disk = LightKind::Disk { inner: 0.25, outer: std::f32::consts::FRAC_PI_4, radius: 2.0 };
+    let none = LightKind::Point;
+    assert_eq!(kinds, [LightKind::Sphere { radius: 0.25 }, disk, LightKind::Sun { angle: 0.5 }, none, none]);
+    let mut refused = |i: usize, extras: serde_json::Value, expected: &str| {
+        d["extensions"]["KHR_lights_punctual"]["lights"][i]["extras"] = extras;
+        let error = load(&d).unwrap_err().to_string();
+        let lights = "extensions.KHR_lights_punctual.lights";
+        assert!(error.contains(&format!("{lights}[{i}].extras.{expected}")), "{error}");
+    };
+    refused(2, json!({"angle": 3.5}), "angle: 3.5: the angle across a sun is 0 to pi, in radians");
+    refused(1, json!({"radius": -1}), "radius: -1: a radius is a finite number of metres, 0 or more");
+    refused(0, json!({"radius": "wide"}), "radius: not a number");
+}
+
 /// A Radiance file of 2 x 1 texels: (1, 2, 4) and the smallest exponent.
 fn hdr() -> Vec<u8> {
     let texels = [32, 64, 128, 131, 255, 1, 0, 1];

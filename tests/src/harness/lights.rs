@@ -25,6 +25,7 @@ use jerboa_lib_render::geometry::offset::spawn_shadow_ray;
 use jerboa_lib_render::geometry::{SurfaceElement, make_geometry};
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_lib_render::light::environment::seen_environment;
+use jerboa_lib_render::light::seen::{Met, sum_of_shapes, sum_of_suns};
 use jerboa_lib_render::light::{choose_light, hit_pdf, sample_light, tree, with_light};
 use jerboa_lib_render::ray::Ray;
 use jerboa_lib_render::schema::{Geometries, Lights, NONE, Primitives, Settings};
@@ -64,9 +65,9 @@ pub struct Seen {
     pub radiance: f32,
     /// Density with which light sampling finds it, per steradian; 0 where it does not shine, since nobody asks there.
     pub pdf: f32,
-    /// m; infinite for the environment.
+    /// m; infinite for the environment and for suns.
     pub distance: f32,
-    /// Cosine of the ray with the surface, not negative; 1 for the environment.
+    /// Cosine of the ray with the surface, not negative; 1 for what has none.
     pub cos: f32,
 }
 
@@ -148,6 +149,22 @@ impl Default for LightProbe {
                     )
                 }),
             );
+            // Green, density and distance, in place of a colour; a distance of 0 is that of a sun.
+            entry(
+                "see without a surface",
+                Fun::lam(move |b, (org, dir): (vec::Vec3, vec::Vec3)| {
+                    let hit = traverse.call(b, (ray(org, dir), Keep(false.into()), accept()));
+                    let until = hit.is_hit().select(hit.t, F32::from(f32::INFINITY));
+                    let shapes = sum_of_shapes(b, org, dir, until, |_, met| Color {
+                        r: met.radiance.g,
+                        g: met.pdf_dir,
+                        b: met.distance,
+                    });
+                    let sun = |_: &mut _, met: Met| Color { r: met.radiance.g, g: met.pdf_dir, b: 0.0.into() };
+                    let suns = |b: &mut _| sum_of_suns(b, dir, sun);
+                    shapes + b.if_(hit.is_hit(), |_| black(), suns)
+                }),
+            );
             entry(
                 "emit",
                 Fun::lam(|b, (rng, index): (Rng, U32)| {
@@ -213,11 +230,16 @@ impl LightProbe {
         Drawn { wi: [x, y, z], distance, radiance, pdf, is_delta: out[11] != 0, is_blocked: out[14] != 0 }
     }
 
-    /// What a ray from a point finds in a unit direction.
+    /// What a ray from a point finds in a unit direction: the light without a surface that it meets (two are added up), or else
+    /// what it hits.
     pub fn see(&mut self, point: V, dir: V) -> Seen {
-        let out =
-            self.bench.run("see", &[self.place(point), dir].concat().into_iter().map(f32::to_bits).collect::<Vec<_>>());
-        let [_, radiance, _, pdf, distance, cos] = floats(&out);
+        let args: Vec<u32> = [self.place(point), dir].concat().into_iter().map(f32::to_bits).collect();
+        let [radiance, pdf, distance] = floats(&self.bench.run("see without a surface", &args));
+        if radiance > 0.0 {
+            let distance = if distance == 0.0 { f32::INFINITY } else { distance };
+            return Seen { radiance, pdf, distance, cos: 1.0 };
+        }
+        let [_, radiance, _, pdf, distance, cos] = floats(&self.bench.run("see", &args));
         Seen { radiance, pdf, distance, cos }
     }
 
@@ -291,6 +313,7 @@ pub fn lights() -> Vec<Lit> {
     let mut ball = Scene::default();
     place(&mut ball, sphere(0), Material::emitter("ball", [1.0; 3]), 0.5, DVec3::Y);
     all.push(Lit { name: "ball of 20 triangles".into(), scene: ball, point: [0.2, 0.0, 0.3], chart: None });
+    all.extend(round_lights());
     all.push(medley());
     for (name, map) in maps() {
         let chart = Some(Chart::Map(map.clone()));
@@ -298,6 +321,47 @@ pub fn lights() -> Vec<Lit> {
         all.push(Lit { name: format!("sky: {name}"), scene, point: [0.0; 3], chart });
     }
     all
+}
+
+/// Balls, disks and suns.
+fn round_lights() -> Vec<Lit> {
+    let alone = |what: &str, kind: LightKind, height: f64, point: V, chart: Chart| Lit {
+        name: what.into(),
+        scene: Scene { lights: vec![light(kind, 1.0, height)], ..Scene::default() },
+        point,
+        chart: Some(chart),
+    };
+    let ball = |what: &str, radius: f32, point: V| {
+        let to = DVec3::Y - DVec3::from(point.map(f64::from));
+        let s = (f64::from(radius) / to.length()).min(1.0);
+        let chart = Chart::Cone(to.normalize_or(DVec3::Y), s * s / (1.0 + (1.0 - s * s).sqrt()));
+        alone(&format!("ball of light, {what}"), LightKind::Sphere { radius }, 1.0, point, chart)
+    };
+    let (inner, outer) = (0.6, 1.57);
+    let disk = |what: &str, height: f32, point: V| {
+        let chart = Chart::Disk(DVec3::Y * f64::from(height), DVec3::Y, 0.5);
+        let kind = LightKind::Disk { inner, outer, radius: 0.5 };
+        alone(&format!("disk of light, {what}"), kind, height.into(), point, chart)
+    };
+    let sun = |angle: f32| {
+        let opening = 2.0 * (f64::from(angle) / 4.0).sin().powi(2);
+        let chart = Chart::Cone(DVec3::Y, opening);
+        alone(&format!("sun of {angle} radians"), LightKind::Sun { angle }, 0.0, [0.3, 0.0, 0.2], chart)
+    };
+    vec![
+        ball("beside", 0.5, [0.2, 0.0, 0.3]),
+        ball("close", 0.5, [0.0, 0.499, 0.0]),
+        ball("far", 0.1, [30.0, 0.0, 20.0]),
+        ball("from within", 0.5, [0.1, 0.9, 0.0]),
+        ball("from its middle", 0.5, [0.0, 1.0, 0.0]),
+        disk("below", 1.0, [0.1, 0.0, 0.2]),
+        disk("close", 0.05, [0.1, 0.0, 0.2]),
+        disk("from the side", 0.5, [3.0, 0.0, 0.2]),
+        disk("from behind", 0.5, [0.1, 1.0, 0.2]),
+        disk("from its plane", 0.5, [1.1, 0.5, 0.2]),
+        sun(0.1),
+        sun(3.0),
+    ]
 }
 
 /// The same with a checkerboard on it, five by five.

@@ -18,8 +18,11 @@ pub fn scaled(scene: &Scene, k: i32) -> Scene {
     let (s, mut scene) = (2.0_f64.powi(k), scene.clone());
     moved(&mut scene, DAffine3::from_scale(DVec3::splat(s)));
     for light in &mut scene.lights {
-        if light.kind != LightKind::Directional {
+        if !matches!(light.kind, LightKind::Directional | LightKind::Sun { .. }) {
             light.intensity = light.intensity.map(|i| i * (s * s) as f32);
+        }
+        if let LightKind::Sphere { radius } | LightKind::Disk { radius, .. } = &mut light.kind {
+            *radius *= s as f32;
         }
     }
     scene.materials.iter_mut().filter_map(|m| m.volume.as_mut()).for_each(|v| v.attenuation_distance *= s as f32);
@@ -120,17 +123,25 @@ fn halve(mesh: &mut Mesh, a: usize, b: usize) -> u32 {
     mesh.positions.len() as u32 - 1
 }
 
-/// A room with every kind of light, surface and lookup: area, point, spot and directional lights, an environment, metal,
-/// glass that absorbs, a texture and a normal map. One scene, so that a test needs to compile for one only.
+/// A room with every kind of light, surface and lookup: area, point, spot and directional lights, a sphere, a disk and a sun, an
+/// environment, metal, glass that absorbs, a texture and a normal map. One scene, so that a test needs to compile for one only.
 pub fn medley() -> Scene {
     let load = |name: &str| Scene::load(format!("builtin:{name}")).expect("it is built in");
     let mut scene = load("cornell-box");
     let with = load("environment");
     scene.environment = with.environment;
     scene.environment.iter_mut().for_each(|e| e.intensity = 0.2);
-    let kinds = [LightKind::Point, LightKind::Spot { inner: 0.3, outer: 0.6 }, LightKind::Directional];
+    let (inner, outer) = (0.3, 0.6);
+    let kinds = [
+        LightKind::Point,
+        LightKind::Spot { inner, outer },
+        LightKind::Directional,
+        LightKind::Sphere { radius: 0.1 },
+        LightKind::Disk { inner, outer, radius: 0.1 },
+        LightKind::Sun { angle: 0.1 },
+    ];
     for (i, kind) in kinds.into_iter().enumerate() {
-        let at = DVec3::new(0.4 * i as f64 - 0.4, 1.5, 0.6);
+        let at = DVec3::new(0.4 * (i % 3) as f64 - 0.4, 1.5 - 0.3 * (i / 3) as f64, 0.6);
         let to_world = DAffine3::from_translation(at) * DAffine3::from_rotation_x(-1.2);
         scene.lights.push(Light { name: "light".into(), kind, intensity: [0.5; 3], to_world });
     }

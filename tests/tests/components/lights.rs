@@ -11,9 +11,13 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use glam::{DAffine3, DVec3};
 use jerboa_ir::lang::{Buf, F32, Fun, entry};
 use jerboa_lib_render::host::ahead::texels;
+use jerboa_lib_render::host::edit::Part;
+use jerboa_lib_render::host::film::Film;
+use jerboa_lib_render::host::generate::TracerKind;
+use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::{LIGHT_POINT, LIGHT_QUAD, LightChoice, Lights, Settings, binding};
-use jerboa_scenes::{Environment, Light, LightKind, Material, Scene};
+use jerboa_scenes::{Camera, Environment, Light, LightKind, Material, Scene};
 use jerboa_tests::harness::analytic::{ALBEDO, Estimate, bound, direct, light, place, rectangle, sphere};
 use jerboa_tests::harness::bench::{Bench, Random, number, stream};
 use jerboa_tests::harness::chi2;
@@ -90,6 +94,7 @@ fn a_sample_is_what_a_ray_sees() {
                 let same = near(s.distance, seen.distance, 1.0) && near(s.pdf, seen.pdf, share);
                 compared += 1;
                 // The direction of a point at the rim of a texel or a lamp may round to the other side.
+                let brightest = f32::max(brightest, s.radiance);
                 apart += u32::from(!(same && (s.radiance - seen.radiance).abs() <= 1e-5 * brightest));
             }
         }
@@ -135,12 +140,49 @@ fn light_sampling_alone_has_the_closed_form() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
+/// And by rays that find lights by chance, without any light sampling: what both are weighted with can only divide the same
+/// light between them.
+#[test]
+fn seeing_alone_has_the_closed_form() {
+    let mut probe = LightProbe::default();
+    let mut random = Random::new(0x5eed_0061);
+    let n = samples(20_000);
+    println!("{n} rays, seed 0x5eed0061");
+    let mut faults = Vec::new();
+    let of_light = |name: &str| ["ball of light", "disk of light", "sun of"].iter().any(|kind| name.starts_with(kind));
+    for closed in direct().iter().filter(|c| of_light(&c.name)) {
+        let mut scene = closed.scene.clone();
+        scene.instances.remove(0);
+        probe.load(&scene);
+        let (look, truth) = &closed.looks[0];
+        let point = look.on_floor(0.5, 0.5).as_vec3();
+        let reflected = |_| {
+            let (sin, turn) = (random.uniform().sqrt(), 2.0 * PI * random.uniform());
+            let dir = [sin * turn.cos(), (1.0 - sin * sin).sqrt(), sin * turn.sin()].map(|c| c as f32);
+            f64::from(ALBEDO) * f64::from(probe.see([point.x, 0.0, point.z], dir).radiance)
+        };
+        let found = Estimate::of(&(0..n).map(reflected).collect::<Vec<_>>());
+        println!("{}: {:.6e} ± {:.1e}, truth {truth:.6e}", closed.name, found.mean, found.error);
+        // What is met by less than a hundred rays says nothing.
+        let met = found.error < 0.1 * truth && found.error > 0.0;
+        if met && (found.mean - truth).abs() > 4.0 * found.error {
+            faults.push(format!("{}: {found:?}, truth {truth}", closed.name));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
 /// Many lights of every kind, some without power: those that may be drawn, and the scene.
 fn many(count: usize, sky: bool, power: impl Fn(usize) -> f32) -> Scene {
     let mut scene = Scene::default();
     let at = |i: usize| DVec3::new((i % 32) as f64, 1.0 + (i % 3) as f64, (i / 32) as f64);
     for i in 0..count - usize::from(sky) {
-        let kind = [LightKind::Point, LightKind::Spot { inner: 0.1, outer: 0.5 }, LightKind::Directional][i % 3];
+        let (inner, outer, radius) = (0.1, 0.5, 0.2);
+        let kinds = [
+            [LightKind::Point, LightKind::Spot { inner, outer }, LightKind::Directional],
+            [LightKind::Sphere { radius }, LightKind::Disk { inner, outer, radius }, LightKind::Sun { angle: 0.1 }],
+        ];
+        let kind = kinds[i % 2][i % 3];
         if i % 5 < 3 {
             let to_world = DAffine3::from_translation(at(i)) * light(kind, 1.0, 0.0).to_world;
             scene.lights.push(Light { to_world, ..light(kind, power(i), 0.0) });
@@ -276,6 +318,16 @@ fn lights_without_extent_follow_the_extension() {
         let s = with(spot, [2.0 * (1.0 - cos * cos).sqrt(), -2.0 * cos, 0.0]);
         assert!((s.radiance * 4.0 - expected).abs() < 2e-6, "cos {cos}: {}", s.radiance);
     }
+    // A size that is none, or whose radiance no number holds.
+    for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-20] {
+        assert!(with(LightKind::Sphere { radius }, [2.0, 0.0, 0.0]).is_delta, "radius {radius}");
+        let (inner, outer) = (0.1, 0.5);
+        assert!(with(LightKind::Disk { inner, outer, radius }, [0.0, -2.0, 0.0]).is_delta, "radius {radius}");
+    }
+    for angle in [0.0, 1e-7, -1.0, 4.0, f32::NAN] {
+        assert!(with(LightKind::Sun { angle }, [0.0; 3]).is_delta, "angle {angle}");
+    }
+    assert!(!with(LightKind::Sun { angle: 1e-6 }, [0.0; 3]).is_delta);
     let s = with(LightKind::Directional, [9.0, 8.0, 7.0]);
     assert!((s.wi[1] - 1.0).abs() < 1e-7 && (s.distance, s.radiance) == (f32::INFINITY, 1.0), "{s:?}");
 }
@@ -408,6 +460,9 @@ fn the_rays_that_leave_a_light_carry_its_flux() {
     let of = |kind| Scene { lights: vec![light(kind, 1.0, 0.0)], ..Scene::default() };
     check(&of(spot), 2.0 * PI * (0.25 + 0.25 / 3.0), "spot");
     check(&of(LightKind::Point), 4.0 * PI, "point");
+    check(&of(LightKind::Sphere { radius: 0.5 }), 4.0 * PI, "sphere");
+    let disk = LightKind::Disk { inner: 0.75_f32.acos(), outer: 0.5_f32.acos(), radius: 0.5 };
+    check(&of(disk), 2.0 * PI * (0.25 + 0.25 / 3.0), "disk");
     // From all sides onto the disk of the bounding sphere, whose radius is 3.
     let mut sky = Scene::default();
     place(
@@ -420,6 +475,59 @@ fn the_rays_that_leave_a_light_carry_its_flux() {
     let uniform = Environment { width: 8, height: 4, radiance: vec![[2.0; 3]; 32], intensity: 1.0, rotation_deg: 0.0 };
     sky.environment = Some(uniform);
     check(&sky, 2.0 * 4.0 * PI * PI * 9.0, "environment");
+    // Onto the same disk, faced from each direction: 1 lux is radiance 1 / (π sin² 0.5), times 2π (1 − cos 0.5) steradians.
+    let sun = Scene { environment: None, lights: vec![light(LightKind::Sun { angle: 1.0 }, 1.0, 0.0)], ..sky };
+    check(&sun, 2.0 * PI * 9.0 * (1.0 - 0.5_f64.cos()) / 0.5_f64.sin().powi(2), "sun");
+}
+
+/// Lights with a size.
+const SIZED: [LightKind; 3] = [
+    LightKind::Sphere { radius: 0.3 },
+    LightKind::Disk { inner: 0.3, outer: 0.9, radius: 0.3 },
+    LightKind::Sun { angle: 0.5 },
+];
+
+/// Such a light over a floor, and a camera that does not see it.
+fn lit_floor(kind: LightKind) -> (Scene, Camera) {
+    let mut scene = Scene { lights: vec![light(kind, 1.0, 1.0)], ..Scene::default() };
+    let floor = rectangle(glam::vec3(-2.0, 0.0, -2.0), glam::Vec3::Z * 4.0, glam::Vec3::X * 4.0);
+    place(&mut scene, floor, Material::diffuse("floor", [0.5; 3]), 1.0, DVec3::ZERO);
+    (scene, Camera::look_at("low", DVec3::new(0.0, 0.5, 1.0), DVec3::ZERO, 0.4))
+}
+
+/// The light tracer starts its paths on lights with a size: its mean is that of the path tracer.
+#[test]
+fn paths_from_lights_with_a_size_bring_as_much() {
+    for kind in SIZED {
+        let (scene, camera) = lit_floor(kind);
+        let of = |tracer: TracerKind| {
+            let r = Renderer::new(&scene, Options { tracer, ..Options::default() }).unwrap_or_else(|e| panic!("{e}"));
+            mean((1..=16).map(|seed| {
+                let mut film = Film::of_size([16, 16]);
+                let job = Render { sample: 0, spp: 16, seed };
+                r.render_with(&camera, &mut film, job, &Handle::default()).unwrap_or_else(|e| panic!("{e}"));
+                film.mean().pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / 256.0
+            }))
+        };
+        let ((path, a), (light, b)) = (of(TracerKind::Path), of(TracerKind::Light));
+        println!("{kind:?}: {path:.5} ± {a:.5}, from the light {light:.5} ± {b:.5}; seeds 1 to 16");
+        assert!((path - light).abs() <= 4.0 * a.hypot(b) && b < 0.05 * path, "{kind:?}: {path} ± {a}, {light} ± {b}");
+    }
+}
+
+/// The bidirectional tracer does not know them, and says so: when it is made, and when such a light comes in by an edit.
+#[test]
+fn the_bidirectional_tracer_refuses_lights_with_a_size() {
+    let options = || Options { tracer: TracerKind::Bidirectional, ..Options::default() };
+    for kind in SIZED {
+        let (sized, _) = lit_floor(kind);
+        let (plain, _) = lit_floor(LightKind::Point);
+        let renderer = Renderer::new(&plain, options()).unwrap_or_else(|e| panic!("{e}"));
+        for refused in [Renderer::new(&sized, options()), renderer.edited(&sized, Part::Light(0)).map(|r| r.0)] {
+            let error = refused.err().expect("it is refused").to_string();
+            assert!(error.contains("the bidirectional tracer does not know lights with a size"), "{kind:?}: {error}");
+        }
+    }
 }
 
 /// N11. Two weights add to 1 for all densities, also where squares overflow or vanish; where no sampler draws, 0.

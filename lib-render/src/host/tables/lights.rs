@@ -1,16 +1,17 @@
-//! Lights: punctual ones, emissive triangles (paired where two form a parallelogram) and the environment.
+//! Lights: those [without a surface](super::punctual), emissive triangles (paired where two form a parallelogram) and the environment.
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use jerboa_ir::lang::Buf;
-use jerboa_scenes::{Environment, Light, LightKind, Scene, TextureSource};
+use jerboa_scenes::{Environment, LightKind, Scene, TextureSource};
 
 use super::geometry::Placed;
 use super::light_tree::{self, Emission, TREE_FROM};
 use super::media::{Absorption, Media};
 use super::memory::{Memory, RowMut, Table};
 use super::models::{Numbers, own_light};
+use super::punctual::{self, Place};
 use crate::components::Components;
 use crate::host::alias::{log_slots, slots};
 use crate::host::bvh::{Triangle, can_be_hit};
@@ -27,12 +28,25 @@ pub struct LightTables {
     pub choice: Memory,
     /// Primitives that are lights, and which.
     pub marks: Vec<(u32, u32)>,
-    /// Number of lights.
-    pub count: u32,
     /// [`LightTree`].
     pub tree: Memory,
-    /// How many of them are in the tree; the others come after them. 0 where there is none.
+    /// [`SeenLights`].
+    pub seen: Memory,
+    /// How many there are.
+    pub counts: Counts,
+}
+
+/// Numbers of lights.
+#[derive(Clone, Copy, Default, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// All.
+    pub all: u32,
+    /// In the tree; the others come after them. 0 where there is none.
     pub in_tree: u32,
+    /// Spheres and disks.
+    pub shapes: u32,
+    /// Suns.
+    pub suns: u32,
 }
 
 /// A light before its row is written: power decides how often it is chosen.
@@ -71,8 +85,11 @@ struct Emitter {
 /// Collect the lights of a scene. `origin` is subtracted from positions, `radius` is that of the bounding sphere, `media` are
 /// those of the scene.
 pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components, media: &Media) -> LightTables {
+    let place = Place { origin, radius };
     let mut numbers = Numbers::of_lights(scene, components);
-    let mut candidates: Vec<Candidate> = punctual(scene, radius).collect();
+    let lit = scene.lights.iter().enumerate().filter(|(_, l)| l.intensity.iter().any(|c| *c > 0.0));
+    let candidate = |(i, l)| Candidate { power: punctual::power(l, place), kind: Kind::Punctual(i) };
+    let mut candidates: Vec<Candidate> = lit.map(candidate).collect();
     candidates.extend(area(scene, origin));
     if scene.environment.as_ref().is_some_and(|e| e.intensity > 0.0) {
         // Half of the samples: what share of an environment reaches the inside of a scene is not known here.
@@ -80,7 +97,7 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
         candidates.push(Candidate { power: if others > 0.0 { others } else { 1.0 }, kind: Kind::Environment });
     }
     // Light from infinitely far away behind the others, if those are in a tree.
-    let has_place = |c: &Candidate| emission(scene, origin, c);
+    let has_place = |c: &Candidate| emission(scene, place, c);
     let mut places: Vec<Emission> = candidates.iter().filter_map(has_place).collect();
     if places.len() < TREE_FROM {
         places.clear();
@@ -92,10 +109,11 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
         lights: Memory::default(),
         choice: Memory::default(),
         tree,
-        in_tree: places.len() as u32,
+        seen: Memory::default(),
         marks: Vec::new(),
-        count: candidates.len() as u32,
+        counts: Counts { all: candidates.len() as u32, in_tree: places.len() as u32, ..Counts::default() },
     };
+    let (mut shapes, mut suns) = (Vec::new(), Vec::new());
     let mut table = Table::<L>::new();
     let mut choice = Table::<LightChoice>::new();
     if !candidates.is_empty() {
@@ -105,12 +123,17 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
             row.set(L::PROBABILITY, distribution.probability(i)).set(L::SCENE_RADIUS, radius);
             row.set(L::PRIMITIVE, NONE).set(L::PRIMITIVE1, NONE).set(L::TRAIL, trails.get(i).copied().unwrap_or(0));
             row.set_all([L::ABSORPTION_R, L::ABSORPTION_G, L::ABSORPTION_B], around(scene, origin, &c.kind, media));
-            write(&mut row, scene, origin, &c.kind);
-            if let Kind::Punctual(light) = &c.kind
-                && let LightKind::Own(own) = scene.lights[*light].kind
-            {
-                let (kind, own) = own_light(scene, own, components).unwrap_or_default();
-                row.set(L::KIND, LIGHT_OWN + kind).set(L::NUMBERS, numbers.place(&own));
+            write(&mut row, scene, place, &c.kind);
+            if let Kind::Punctual(light) = &c.kind {
+                match place.kind(&scene.lights[*light]) {
+                    LightKind::Own(own) => {
+                        let (kind, own) = own_light(scene, own, components).unwrap_or_default();
+                        row.set(L::KIND, LIGHT_OWN + kind).set(L::NUMBERS, numbers.place(&own));
+                    }
+                    LightKind::Sphere { .. } | LightKind::Disk { .. } => shapes.push(i as u32),
+                    LightKind::Sun { .. } => suns.push(i as u32),
+                    LightKind::Point | LightKind::Spot { .. } | LightKind::Directional => {}
+                }
             }
             if let Kind::Area { emitter, other } = &c.kind {
                 out.marks.push((emitter.primitive, i as u32));
@@ -121,6 +144,10 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
             choice.push().set(LightChoice::CDF, *p);
         });
     }
+    (out.counts.shapes, out.counts.suns) = (shapes.len() as u32, suns.len() as u32);
+    let mut seen = Table::<SeenLights>::new();
+    shapes.into_iter().chain(suns).for_each(|light| _ = seen.push().set(SeenLights::LIGHT, light));
+    out.seen = seen.finish();
     out.lights = table.finish();
     out.choice = choice.finish();
     out
@@ -129,7 +156,9 @@ pub fn lights(scene: &Scene, origin: DVec3, radius: f32, components: &Components
 /// What absorbs where a light is.
 fn around(scene: &Scene, origin: DVec3, kind: &Kind, media: &Media) -> Absorption {
     match kind {
-        Kind::Punctual(i) if scene.lights[*i].kind == LightKind::Directional => [0.0; 3],
+        Kind::Punctual(i) if matches!(scene.lights[*i].kind, LightKind::Directional | LightKind::Sun { .. }) => {
+            [0.0; 3]
+        }
         Kind::Punctual(i) => media.at(scene.lights[*i].position() - origin, None),
         Kind::Area { emitter, .. } => {
             let corners = emitter.triangle.map(|p| Vec3::from(p).as_dvec3());
@@ -141,23 +170,12 @@ fn around(scene: &Scene, origin: DVec3, kind: &Kind, media: &Media) -> Absorptio
 
 /// Where a light is and where it shines; none for one that is infinitely far away, or of a user's crate. Its power is in the
 /// unit of candidates.
-fn emission(scene: &Scene, origin: DVec3, candidate: &Candidate) -> Option<Emission> {
+fn emission(scene: &Scene, place: Place, candidate: &Candidate) -> Option<Emission> {
     use std::f64::consts::{FRAC_PI_2, PI};
     let power = candidate.power;
     match &candidate.kind {
         Kind::Environment => None,
-        Kind::Punctual(i) => {
-            let light = &scene.lights[*i];
-            let place = (light.position() - origin).as_vec3().as_dvec3();
-            let at = |normals, light_angle| {
-                Some(Emission { lo: place, hi: place, axis: light.direction(), normals, light: light_angle, power })
-            };
-            match light.kind {
-                LightKind::Point => at(PI, FRAC_PI_2),
-                LightKind::Spot { outer, .. } => at(0.0, outer.into()),
-                LightKind::Directional | LightKind::Own(_) => None,
-            }
-        }
+        Kind::Punctual(i) => punctual::emission(&scene.lights[*i], place, power),
         Kind::Area { emitter, other } => {
             let [p, e1, e2] = edges(&emitter.triangle, other.map_or(0, |q| q.corner)).map(|v| v.as_dvec3());
             let (lo, hi) = (p.min(p + e1).min(p + e2), p.max(p + e1).max(p + e2));
@@ -173,22 +191,6 @@ fn emission(scene: &Scene, origin: DVec3, candidate: &Candidate) -> Option<Emiss
             })
         }
     }
-}
-
-fn punctual(scene: &Scene, radius: f32) -> impl Iterator<Item = Candidate> {
-    use std::f64::consts::PI;
-    let power = move |l: &Light| {
-        luminance(l.intensity)
-            * match l.kind {
-                LightKind::Point => 4.0 * PI,
-                LightKind::Spot { outer, .. } => 2.0 * PI * (1.0 - f64::from(outer).cos()),
-                LightKind::Directional => PI * f64::from(radius).powi(2),
-                // As of a point: what shape its light has is not known here.
-                LightKind::Own(_) => 4.0 * PI,
-            }
-    };
-    let lit = scene.lights.iter().enumerate().filter(|(_, l)| l.intensity.iter().any(|c| *c > 0.0));
-    lit.map(move |(i, l)| Candidate { power: power(l), kind: Kind::Punctual(i) })
 }
 
 /// Triangles of materials that emit, without a look at the others.
@@ -297,9 +299,9 @@ fn parallelogram(t: &Triangle, s: &Triangle) -> Option<usize> {
     })
 }
 
-fn write(row: &mut RowMut<L>, scene: &Scene, origin: DVec3, kind: &Kind) {
+fn write(row: &mut RowMut<L>, scene: &Scene, place: Place, kind: &Kind) {
     match kind {
-        Kind::Punctual(i) => punctual_row(row, &scene.lights[*i], origin),
+        Kind::Punctual(i) => punctual::row(row, &scene.lights[*i], place),
         Kind::Area { emitter, other } => {
             let m = &scene.materials[emitter.material];
             let [p, e1, e2] = edges(&emitter.triangle, other.map_or(0, |q| q.corner));
@@ -316,22 +318,6 @@ fn write(row: &mut RowMut<L>, scene: &Scene, origin: DVec3, kind: &Kind) {
             row.set(L::KIND, LIGHT_ENVIRONMENT);
         }
     }
-}
-
-fn punctual_row(row: &mut RowMut<L>, light: &Light, origin: DVec3) {
-    let (position, direction) = ((light.position() - origin).as_vec3(), light.direction().as_vec3());
-    row.set_all([L::P_X, L::P_Y, L::P_Z], position.to_array())
-        .set_all([L::E1_X, L::E1_Y, L::E1_Z], direction.to_array());
-    row.set_all([L::R, L::G, L::B], light.intensity);
-    match light.kind {
-        LightKind::Point => row.set(L::KIND, LIGHT_POINT),
-        LightKind::Spot { inner, outer } => {
-            let [outer, inner] = [outer, inner].map(|a| f64::from(a).cos() as f32);
-            row.set(L::KIND, LIGHT_SPOT).set(L::COS_OUTER, outer).set(L::COS_INNER, inner)
-        }
-        LightKind::Directional => row.set(L::KIND, LIGHT_DIRECTIONAL),
-        LightKind::Own(_) => row,
-    };
 }
 
 /// The environment's tables: the row, texels, and what draws one of them.

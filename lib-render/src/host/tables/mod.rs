@@ -4,7 +4,7 @@
 //!
 //! * [`memory`]: typed rows over words,
 //! * [`camera`]: the kinds of cameras, [`sampling`]: those of samplers,
-//! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`]: what each table holds,
+//! * [`textures`], [`materials`], [`models`], [`geometry`], [`plane`], [`lights`], [`punctual`]: what each table holds,
 //! * [`media`]: what a camera or a light lies in,
 //! * [`sharing`], [`placing`]: instances that share the triangles of their mesh,
 //! * `tree`: the tree over all triangles,
@@ -23,6 +23,7 @@ pub mod placing;
 pub mod sharing;
 pub mod media;
 pub mod lights;
+pub mod punctual;
 pub mod light_tree;
 mod tree;
 pub mod classes;
@@ -37,6 +38,7 @@ use jerboa_scenes::{Camera, Lens, Scene};
 
 pub use camera::CameraKind;
 pub use classes::Known;
+use lights::Counts;
 use media::{Absorption, Media};
 use memory::{Memory, Table};
 pub use sampling::SamplerKind;
@@ -127,6 +129,8 @@ pub struct Tables {
     images: Vec<usize>,
     /// Rows of primitives that are lights, and which.
     marks: Vec<(u32, u32)>,
+    /// How many lights there are.
+    pub lights: Counts,
     /// Whose kernels read it.
     pub library: Library,
     /// Which instances were to share their triangles.
@@ -212,6 +216,7 @@ impl Tables {
         put(binding::<Lights>(), lights.lights);
         put(binding::<LightChoice>(), lights.choice);
         put(binding::<LightTree>(), lights.tree);
+        put(binding::<SeenLights>(), lights.seen);
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
         put(binding::<Environment>(), row);
         put(binding::<EnvironmentTexels>(), texels);
@@ -219,7 +224,7 @@ impl Tables {
         put(binding::<EnvironmentRows>(), rows);
 
         let camera = choices.camera.unwrap_or_else(|| CameraKind::of_scene(scene));
-        put(binding::<Settings>(), settings(scene, choices, camera, [lights.count, lights.in_tree], instance_count));
+        put(binding::<Settings>(), settings(scene, choices, camera, lights.counts, instance_count));
         put(binding::<Sampling>(), choices.sampler.row());
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
@@ -227,7 +232,7 @@ impl Tables {
         lights::mark(&mut memory[binding::<Primitives>()], &[], &lights.marks);
 
         let facts = classes::classify(&mut memory, known, &Facts::none());
-        let marks = lights.marks;
+        let (marks, lights) = (lights.marks, lights.counts);
         Tables {
             memory,
             facts,
@@ -241,6 +246,7 @@ impl Tables {
             cutouts,
             images,
             marks,
+            lights,
             shared,
             media: Arc::new(media),
             library: library.clone(),
@@ -278,9 +284,8 @@ impl Tables {
             (new.native, new.cutouts) = (tree.native, cutouts);
         }
         let former = &self.memory[binding::<Settings>()].words;
-        let columns = [Settings::LIGHT_COUNT.0, Settings::TREE_LIGHTS.0, Settings::INSTANCE_COUNT.0];
-        let [count, in_tree, instance_count] = columns.map(|column| former[column as usize]);
-        let mut counts = [count, in_tree];
+        let instance_count = former[Settings::INSTANCE_COUNT.0 as usize];
+        let mut counts = self.lights;
         let same_media = self.media.are_of(scene);
         if !same_media {
             new.media = Arc::new(Media::new(scene, self.origin));
@@ -291,9 +296,11 @@ impl Tables {
             put(binding::<Lights>(), lights.lights);
             put(binding::<LightChoice>(), lights.choice);
             put(binding::<LightTree>(), lights.tree);
+            put(binding::<SeenLights>(), lights.seen);
             lights::mark(&mut new.memory[binding::<Primitives>()], &self.marks, &lights.marks);
-            (counts, new.marks) = ([lights.count, lights.in_tree], lights.marks);
+            (counts, new.marks) = (lights.counts, lights.marks);
         }
+        new.lights = counts;
         new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, counts, instance_count));
         new.memory[binding::<Sampling>()] = Arc::new(choices.sampler.row());
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
@@ -323,14 +330,8 @@ fn are_some(sharing: &sharing::Sharing) -> Vec<bool> {
     sharing.iter().map(Option::is_some).collect()
 }
 
-/// `lights` and `in_tree`: how many.
-fn settings(
-    scene: &Scene,
-    choices: &Choices,
-    camera: CameraKind,
-    [lights, in_tree]: [u32; 2],
-    instances: u32,
-) -> Memory {
+/// `instances`: how many share triangles.
+fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: Counts, instances: u32) -> Memory {
     use Settings as S;
     let mut table = Table::<S>::new();
     table
@@ -346,11 +347,15 @@ fn settings(
         .set(S::OCCLUSION_DISTANCE, choices.occlusion_distance)
         .set(S::BY_SOLID_ANGLE, choices.solid_angle)
         .set(S::HAS_ENVIRONMENT, scene.environment.is_some())
-        .set(S::HAS_LIGHTS, lights > 0)
-        .set(S::HAS_ONE_LIGHT, lights == 1)
-        .set(S::LIGHT_COUNT, lights)
-        .set(S::HAS_LIGHT_TREE, in_tree > 0)
-        .set(S::TREE_LIGHTS, in_tree)
+        .set(S::HAS_LIGHTS, lights.all > 0)
+        .set(S::HAS_ONE_LIGHT, lights.all == 1)
+        .set(S::LIGHT_COUNT, lights.all)
+        .set(S::HAS_LIGHT_TREE, lights.in_tree > 0)
+        .set(S::TREE_LIGHTS, lights.in_tree)
+        .set(S::HAS_SHAPES, lights.shapes > 0)
+        .set(S::SHAPES, lights.shapes)
+        .set(S::HAS_SUNS, lights.suns > 0)
+        .set(S::SUNS, lights.suns)
         .set(S::HAS_CUTOUTS, tree::cutouts(scene, choices).contains(&true))
         .set(S::HAS_INSTANCES, instances > 0)
         .set(S::INSTANCE_COUNT, instances)

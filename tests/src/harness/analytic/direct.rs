@@ -31,6 +31,9 @@ pub fn direct() -> Vec<Closed> {
     all.extend([1.0, 0.3].map(tiles));
     all.push(lamp("in the plane of the floor", [Vec3::new(0.25, 0.0, -0.5), Vec3::Z, Vec3::X], false));
     all.extend([(0.1, 1.0, 15), (0.5, 1.0, 9), (0.99, 1.0, 1), (1.0, 30.0, 9)].map(ball));
+    all.extend([(0.1, 1.0), (0.5, 1.0), (0.99, 1.0), (1.0, 30.0), (1e-4, 1.0), (1e-15, 1.0)].map(ball_of_light));
+    all.extend([(0.5, 1.0), (1.0, 0.5), (1e-3, 1.0), (1.0, 0.1)].map(disk_of_light));
+    all.extend([(0.0093, 60.0), (1e-6, 60.0), (1.0, 60.0), (std::f32::consts::PI, 90.0)].map(wide_sun));
     all.extend(skies());
     all
 }
@@ -173,6 +176,41 @@ fn ball((radius, distance, effort): (f64, f64, usize)) -> Closed {
     let eye = DVec3::new(0.0, 0.05, 1.5) * distance;
     let ball = closed(format!("ball of radius {radius} at {distance}"), scene, vec![(origin(eye), truth)]);
     Closed { facets, effort, is_near: radius > 0.9 * distance, ..ball }
+}
+
+/// Straight below a ball of light: its form factor is (r/d)², so irradiance is I / d² whatever its radius.
+fn ball_of_light((radius, distance): (f32, f64)) -> Closed {
+    let mut scene = floor(8.0 * distance as f32, ALBEDO);
+    scene.lights = vec![light(LightKind::Sphere { radius }, 1.0, distance)];
+    let truth = f64::from(ALBEDO) * FRAC_1_PI / (distance * distance);
+    let eye = DVec3::new(0.0, 0.05, 1.5) * distance;
+    closed(format!("ball of light of radius {radius} at {distance}"), scene, vec![(origin(eye), truth)])
+}
+
+/// Straight below a disk of light that shines evenly to all sides here: irradiance is I / A times the integral of h / d³ over
+/// the disk, 2 I / r² · (1 − h / √(h² + r²)).
+fn disk_of_light((radius, height): (f32, f64)) -> Closed {
+    let mut scene = floor(8.0, ALBEDO);
+    let kind = LightKind::Disk { inner: 1.55, outer: std::f32::consts::FRAC_PI_2, radius };
+    scene.lights = vec![light(kind, 1.0, height)];
+    let (r2, d) = (f64::from(radius).powi(2), height.hypot(f64::from(radius)));
+    // 1 − h / d without its loss.
+    let truth = f64::from(ALBEDO) * FRAC_1_PI * 2.0 / (d * (d + height));
+    assert!((truth - f64::from(ALBEDO) * FRAC_1_PI * 2.0 / r2 * (1.0 - height / d)).abs() < 1e-9 / r2);
+    let eye = DVec3::new(0.0, height / 2.0, height / 2.0);
+    let disk = closed(format!("disk of light of radius {radius} at {height}"), scene, vec![(origin(eye), truth)]);
+    Closed { is_near: height < 0.3 * f64::from(radius), ..disk }
+}
+
+/// One lux of a sun so wide (radians), so many degrees high: what it gives a level plane is what it gives one that faces it,
+/// times the sine.
+fn wide_sun((angle, elevation): (f32, f64)) -> Closed {
+    let mut scene = floor(8.0, ALBEDO);
+    let slant = glam::DAffine3::from_rotation_x(-elevation.to_radians());
+    scene.lights = vec![jerboa_scenes::Light { to_world: slant, ..light(LightKind::Sun { angle }, 1.0, 0.0) }];
+    let truth = elevation.to_radians().sin() * f64::from(ALBEDO) * FRAC_1_PI;
+    let looks = vec![(origin(DVec3::new(0.0, 1.0, 1.0)), truth)];
+    closed(format!("sun of {angle} radians at {elevation} degrees"), scene, looks)
 }
 
 /// A floor under each of the [`maps`].

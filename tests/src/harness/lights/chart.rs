@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use jerboa_scenes::Environment;
 
 use super::super::chi2::{Report, Worst, pearson};
@@ -20,6 +20,10 @@ pub enum Chart {
     Triangle([V; 3]),
     /// The coordinates of an environment map.
     Map(Environment),
+    /// A cone by its axis and its 1 − cos: the share of that, and turns.
+    Cone(DVec3, f64),
+    /// A disk by its middle, its normal and its radius: the share of its area, and turns.
+    Disk(DVec3, DVec3, f64),
 }
 
 /// Cells along each edge of an area light.
@@ -56,6 +60,16 @@ impl Chart {
                 let dir = [theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos()];
                 (normalize(dir), 2.0 * PI * PI * theta.sin())
             }
+            Chart::Cone(axis, opening) => {
+                let (away, turn) = (s * opening, DVec2::from_angle(TAU * t));
+                let around = across(*axis) * turn.extend(0.0) * (away * (2.0 - away)).max(0.0).sqrt();
+                (normalize((axis * (1.0 - away) + around).to_array()), TAU * opening)
+            }
+            Chart::Disk(middle, normal, radius) => {
+                let around = across(*normal) * DVec2::from_angle(TAU * t).extend(0.0) * (radius * s.max(0.0).sqrt());
+                let to = middle + around - point;
+                (normalize(to.to_array()), PI * radius * radius * to.dot(*normal).abs() / to.length().powi(3))
+            }
         }
     }
 
@@ -64,7 +78,7 @@ impl Chart {
         let (quad, is_triangle) = match self {
             Chart::Parallelogram(quad) => (quad, false),
             Chart::Triangle(quad) => (quad, true),
-            Chart::Map(_) => return None,
+            Chart::Map(_) | Chart::Cone(..) | Chart::Disk(..) => return None,
         };
         let [origin, u, v] = quad.map(|x| DVec3::from(x.map(f64::from)));
         let origin = origin - DVec3::from(point.map(f64::from));
@@ -99,6 +113,15 @@ impl Chart {
             Chart::Map(map) => {
                 let phi = dir.x.atan2(-dir.z) + f64::from(map.rotation_deg).to_radians();
                 [(phi / TAU + 0.5).rem_euclid(1.0), dir.y.clamp(-1.0, 1.0).acos() / PI]
+            }
+            Chart::Cone(axis, opening) => {
+                let around = across(*axis).transpose() * dir;
+                [(dir - *axis).length_squared() / 2.0 / opening, turns(around)]
+            }
+            Chart::Disk(middle, normal, radius) => {
+                let to = *middle - DVec3::from(point.map(f64::from));
+                let off = dir * (normal.dot(to) / normal.dot(dir)) - to;
+                [off.length_squared() / (radius * radius), turns(across(*normal).transpose() * off)]
             }
         }
     }
@@ -161,6 +184,17 @@ impl Chart {
     }
 }
 
+/// A frame whose third axis is this unit vector.
+fn across(axis: DVec3) -> DMat3 {
+    let (u, v) = axis.any_orthonormal_pair();
+    DMat3::from_cols(u, v, axis)
+}
+
+/// The angle of x and y, in turns from 0 to 1.
+fn turns(v: DVec3) -> f64 {
+    (v.y.atan2(v.x) / TAU).rem_euclid(1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,7 +204,9 @@ mod tests {
         let quad = [[0.3, 0.2, 0.1], [0.7, 0.1, -0.2], [0.2, 0.8, 0.5]];
         let texel = vec![[1.0; 3]];
         let map = Environment { width: 1, height: 1, radiance: texel, intensity: 1.0, rotation_deg: 40.0 };
-        for chart in [Chart::Parallelogram(quad), Chart::Triangle(quad), Chart::Map(map)] {
+        let axis = DVec3::new(2.0, -3.0, 6.0) / 7.0;
+        let round = [Chart::Cone(axis, 0.3), Chart::Disk(DVec3::new(0.1, 1.5, 0.4), axis, 0.5)];
+        for chart in [Chart::Parallelogram(quad), Chart::Triangle(quad), Chart::Map(map)].into_iter().chain(round) {
             let point = [0.9, 0.7, 0.2];
             for place in [[0.2, 0.3], [0.9, 0.1], [0.5, 0.75]] {
                 let (direction, _) = chart.direction(point, place);
