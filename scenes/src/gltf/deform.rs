@@ -30,11 +30,14 @@ impl<'a> Loader<'a> {
             None => count_targets(&mesh)?,
         };
         self.targets.insert(number, targets);
+        if targets > 0 || skin.is_some() {
+            // Many nodes may show one mesh, each in a shape of its own. A look at a primitive takes as long as reading so many bytes.
+            self.spend(node, targets, 64)?;
+            self.spend(node, mesh.len("primitives"), 1 << 14)?;
+        }
         if targets == 0 {
             return Ok(Shape { weights: Vec::new(), skin });
         }
-        // Many nodes may show one mesh, each with as many weights.
-        self.spend(node, targets, 64)?;
         let posed = self.poses.get(&index).and_then(|pose| pose.weights.clone());
         let place = if posed.is_some() || node.get("weights").is_some() { node } else { &mesh };
         let listed =

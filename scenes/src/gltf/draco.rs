@@ -10,13 +10,14 @@ use std::rc::Rc;
 impl<'a> Loader<'a> {
     /// Decodes the stream of a primitive, if it has one. Its accessors then find their bytes among the decoded.
     pub fn decompress(&mut self, primitive: &Json<'a>, mode: Mode) -> Result<(), Error> {
-        let Some(ext) = primitive.extension("KHR_draco_mesh_compression") else {
+        let Some(ext) = primitive.extension("KHR_draco_mesh_compression")? else {
             return Ok(());
         };
         if mode != Mode::Triangles {
             return Err(ext.fault("only plain triangles are read from Draco streams"));
         }
         let (bytes, start, length, _) = self.view(&ext.need("bufferView")?)?;
+        self.spend(&ext, length, 1)?;
         let limits = DecodeLimits::default()
             .with_max_faces(self.geometry_left / 12)
             .with_max_points(self.geometry_left / 12)

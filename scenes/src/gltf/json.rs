@@ -30,9 +30,12 @@ impl<'a> Json<'a> {
         self.get(key).ok_or_else(|| self.fault_at(self.path_to(key), "missing"))
     }
 
-    /// An extension of this object.
-    pub fn extension(&self, name: &str) -> Option<Json<'a>> {
-        self.get("extensions")?.get(name)
+    /// An extension of this object. Of one that is no object itself, all would silently be read as its defaults.
+    pub fn extension(&self, name: &str) -> Result<Option<Json<'a>>, Error> {
+        match self.get("extensions").and_then(|all| all.get(name)) {
+            Some(ext) if !ext.value.is_object() => Err(ext.fault("not an object")),
+            found => Ok(found),
+        }
     }
 
     /// Elements of an array property; none when it is absent.

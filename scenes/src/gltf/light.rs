@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 impl<'a> Loader<'a> {
     /// Adds the light that a node's extension refers to.
     pub fn light(&mut self, reference: &Json<'a>, to_world: DAffine3) -> Result<(), Error> {
-        let Some(list) = self.root.extension("KHR_lights_punctual") else {
+        let Some(list) = self.root.extension("KHR_lights_punctual")? else {
             return Err(reference.fault("the file has no KHR_lights_punctual lights"));
         };
         let (_, at) = reference.refer(&list, "lights", "lights")?;

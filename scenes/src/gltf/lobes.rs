@@ -12,14 +12,14 @@ const NANOMETRES: RangeInclusive<f64> = 0.0..=1e7;
 impl<'a> Loader<'a> {
     /// Reads the lobes of the material at `at`.
     pub(super) fn read_lobes(&mut self, at: &Json<'a>, m: &mut Material) -> Result<(), Error> {
-        if let Some(ext) = at.extension("KHR_materials_anisotropy") {
+        if let Some(ext) = at.extension("KHR_materials_anisotropy")? {
             m.anisotropy = Some(Anisotropy {
                 strength: self.factor(&ext, "anisotropyStrength", 0.0, UNIT)?,
                 rotation: ext.number_or("anisotropyRotation", 0.0)? as f32,
                 texture: self.texture_ref(&ext, "anisotropyTexture")?,
             });
         }
-        if let Some(ext) = at.extension("KHR_materials_diffuse_transmission") {
+        if let Some(ext) = at.extension("KHR_materials_diffuse_transmission")? {
             m.diffuse_transmission = Some(DiffuseTransmission {
                 factor: self.factor(&ext, "diffuseTransmissionFactor", 0.0, UNIT)?,
                 texture: self.texture_ref(&ext, "diffuseTransmissionTexture")?,
@@ -27,10 +27,10 @@ impl<'a> Loader<'a> {
                 color_texture: self.texture_ref(&ext, "diffuseTransmissionColorTexture")?,
             });
         }
-        if let Some(ext) = at.extension("KHR_materials_iridescence") {
+        if let Some(ext) = at.extension("KHR_materials_iridescence")? {
             m.iridescence = Some(self.iridescence(&ext)?);
         }
-        if let Some(ext) = at.extension("KHR_materials_sheen") {
+        if let Some(ext) = at.extension("KHR_materials_sheen")? {
             m.sheen = Some(Sheen {
                 color: self.factors(&ext, "sheenColorFactor", [0.0; 3], UNIT)?,
                 color_texture: self.texture_ref(&ext, "sheenColorTexture")?,
@@ -38,7 +38,7 @@ impl<'a> Loader<'a> {
                 roughness_texture: self.texture_ref(&ext, "sheenRoughnessTexture")?,
             });
         }
-        if let Some(ext) = at.extension("KHR_materials_clearcoat") {
+        if let Some(ext) = at.extension("KHR_materials_clearcoat")? {
             m.clearcoat = Some(self.clearcoat(&ext)?);
         }
         Ok(())

@@ -43,7 +43,7 @@ impl<'a> Loader<'a> {
         m.emissive_texture = self.texture_ref(at, "emissiveTexture")?;
         m.alpha_mode = self.alpha_mode(at)?;
         m.double_sided = at.flag("doubleSided")?;
-        m.unlit = at.extension("KHR_materials_unlit").is_some();
+        m.unlit = at.extension("KHR_materials_unlit")?.is_some();
         self.read_extensions(at, &mut m)?;
         self.read_lobes(at, &mut m)?;
         m.model = self.model(at)?;
@@ -51,31 +51,31 @@ impl<'a> Loader<'a> {
     }
 
     fn read_extensions(&mut self, at: &Json<'a>, m: &mut Material) -> Result<(), Error> {
-        if let Some(ext) = at.extension("KHR_materials_emissive_strength") {
+        if let Some(ext) = at.extension("KHR_materials_emissive_strength")? {
             let strength = self.factor(&ext, "emissiveStrength", 1.0, NOT_NEGATIVE)?;
             m.emissive = m.emissive.map(|c| c * strength);
             if m.emissive.iter().any(|c| !c.is_finite()) {
                 return Err(ext.fault("emissiveFactor x emissiveStrength is beyond the range of single precision"));
             }
         }
-        if let Some(ext) = at.extension("KHR_materials_ior") {
+        if let Some(ext) = at.extension("KHR_materials_ior")? {
             m.ior = ext.number_or("ior", 1.5)? as f32;
             if m.ior != 0.0 && m.ior < 1.0 {
                 warn(&mut self.scene.warnings, &ext.path, "ior is below 1 (and not the special 0): 1 is used");
                 m.ior = 1.0;
             }
         }
-        if let Some(ext) = at.extension("KHR_materials_specular") {
+        if let Some(ext) = at.extension("KHR_materials_specular")? {
             m.specular = self.factor(&ext, "specularFactor", 1.0, UNIT)?;
             m.specular_texture = self.texture_ref(&ext, "specularTexture")?;
             m.specular_color = self.factors(&ext, "specularColorFactor", [1.0; 3], NOT_NEGATIVE)?;
             m.specular_color_texture = self.texture_ref(&ext, "specularColorTexture")?;
         }
-        if let Some(ext) = at.extension("KHR_materials_transmission") {
+        if let Some(ext) = at.extension("KHR_materials_transmission")? {
             m.transmission = self.factor(&ext, "transmissionFactor", 0.0, UNIT)?;
             m.transmission_texture = self.texture_ref(&ext, "transmissionTexture")?;
         }
-        if let Some(ext) = at.extension("KHR_materials_volume") {
+        if let Some(ext) = at.extension("KHR_materials_volume")? {
             m.volume = Some(Volume {
                 thickness: self.factor(&ext, "thicknessFactor", 0.0, NOT_NEGATIVE)?,
                 thickness_texture: self.texture_ref(&ext, "thicknessTexture")?,
@@ -147,7 +147,7 @@ impl<'a> Loader<'a> {
         let Some(place) = at.get(key) else {
             return Ok(None);
         };
-        let transform = place.extension("KHR_texture_transform");
+        let transform = place.extension("KHR_texture_transform")?;
         let mut uv_set = place.integer_or("texCoord", 0)?;
         if let Some(ext) = &transform {
             uv_set = ext.integer_or("texCoord", uv_set)?;

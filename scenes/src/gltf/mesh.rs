@@ -45,16 +45,18 @@ impl<'a> Loader<'a> {
         let corners = self.corners(at, mesh.positions.len())?;
         self.spend(at, corners.len(), 12)?;
         mesh.triangles = self.triangles(at, mode, &corners);
-        mesh.material = self.material(self.chosen_material(at)?)?;
+        let material = self.chosen_material(at)?;
+        mesh.material = self.material(material)?;
         self.repair(at, &mut mesh);
         self.check_uv_sets(at, &mesh);
         Ok((!mesh.triangles.is_empty()).then_some(mesh))
     }
 
     /// The material of a primitive: the chosen variant's, else its own.
-    fn chosen_material(&self, at: &Json<'a>) -> Result<Option<Json<'a>>, Error> {
-        if let (Some(chosen), Some(ext)) = (self.variant, at.extension("KHR_materials_variants")) {
+    fn chosen_material(&mut self, at: &Json<'a>) -> Result<Option<Json<'a>>, Error> {
+        if let (Some(chosen), Some(ext)) = (self.variant, at.extension("KHR_materials_variants")?) {
             for mapping in ext.list("mappings")? {
+                self.spend(&mapping, 1 + mapping.len("variants"), 64)?;
                 for variant in mapping.list("variants")? {
                     if variant.integer()? == chosen as u64 {
                         return Ok(Some(mapping.need("material")?));

@@ -86,6 +86,8 @@ struct Loader<'a> {
     images: HashMap<usize, Option<usize>>,
     /// Of each of the scene's meshes, for the nodes that repeat it.
     bounds: Vec<(Vec3, Vec3)>,
+    /// Of EXT_mesh_gpu_instancing, those that cannot be shown too.
+    repeats_left: usize,
     triangles_left: u64,
     lights_left: u64,
     geometry_left: u64,
@@ -121,6 +123,7 @@ pub(crate) fn load(file: &Path, selection: &Selection, limits: &Limits) -> Resul
         textures: HashMap::new(),
         images: HashMap::new(),
         bounds: Vec::new(),
+        repeats_left: limits.instances,
         triangles_left: limits.triangles,
         lights_left: limits.lights,
         geometry_left: limits.geometry_bytes,
@@ -183,7 +186,7 @@ fn chosen_variant(root: &Json, selection: &Selection) -> Result<Option<usize>, E
     let Some(asked) = &selection.variant else {
         return Ok(None);
     };
-    let variants = root.extension("KHR_materials_variants").map_or(Ok(Vec::new()), |ext| ext.list("variants"))?;
+    let variants = root.extension("KHR_materials_variants")?.map_or(Ok(Vec::new()), |ext| ext.list("variants"))?;
     chosen("variant", asked, &variants).map(Some)
 }
 

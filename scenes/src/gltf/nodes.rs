@@ -63,7 +63,7 @@ impl<'a> Loader<'a> {
         if let Some(reference) = node.get("mesh") {
             let shape = self.shape(index, node, &reference)?;
             let meshes = self.meshes(&reference, &shape)?;
-            match node.extension("EXT_mesh_gpu_instancing") {
+            match node.extension("EXT_mesh_gpu_instancing")? {
                 // Bent vertices are in the world, wherever the node is (glTF 2.0, section 3.7.3.3).
                 _ if shape.skin.is_some() => self.instances(node, meshes, DAffine3::IDENTITY)?,
                 Some(many) => self.repeat(&many, node, meshes, to_world)?,
@@ -73,7 +73,7 @@ impl<'a> Loader<'a> {
         if let Some(reference) = node.get("camera") {
             self.camera(&reference, node, to_world)?;
         }
-        if let Some(light) = node.extension("KHR_lights_punctual") {
+        if let Some(light) = node.extension("KHR_lights_punctual")? {
             self.light(&light.need("light")?, to_world)?;
         }
         Ok(())
@@ -91,6 +91,10 @@ impl<'a> Loader<'a> {
         let first = ["TRANSLATION", "ROTATION", "SCALE"].into_iter().find_map(|name| attributes.get(name));
         let first = first.ok_or_else(|| attributes.fault("neither TRANSLATION, ROTATION nor SCALE"))?;
         let count = self.accessor(&first)?.count;
+        self.repeats_left = self.repeats_left.checked_sub(count).ok_or_else(|| {
+            let limit = format!("{} (instances)", self.limits.instances);
+            attributes.limit_fault(format!("the scene up to here, {count} instances more,"), limit)
+        })?;
         let integers = [ComponentType::I8, ComponentType::I16];
         let translations = self.optional::<3>(&attributes, "TRANSLATION", count, &[], 0.0)?;
         let rotations = self.optional::<4>(&attributes, "ROTATION", count, &integers, 0.0)?;

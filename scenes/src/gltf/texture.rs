@@ -15,7 +15,7 @@ impl<'a> Loader<'a> {
         if let Some(&known) = self.textures.get(&index) {
             return Ok(known);
         }
-        let webp = at.extension("EXT_texture_webp").and_then(|ext| ext.get("source"));
+        let webp = at.extension("EXT_texture_webp")?.and_then(|ext| ext.get("source"));
         let new = match webp.or_else(|| at.get("source")) {
             Some(source) => self.image(&source)?,
             None => {

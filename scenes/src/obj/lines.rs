@@ -20,9 +20,12 @@ pub(super) fn lines<'a>(file: &'a Path, text: &'a str) -> impl Iterator<Item = L
     let lines = std::iter::from_fn(move || {
         let (first, number) = rest.next()?;
         let mut text = Cow::from(first);
-        while let Some(head) = text.strip_suffix('\\').map(String::from) {
-            let next = rest.next().map_or("", |(next, _)| next);
-            text = (head + " " + next).into();
+        while text.ends_with('\\') {
+            // In place: a file may be one line in a million pieces.
+            let whole = text.to_mut();
+            whole.pop();
+            whole.push(' ');
+            whole.push_str(rest.next().map_or("", |(next, _)| next));
         }
         Some(Line { file, number, text })
     });

@@ -34,8 +34,11 @@ struct Entry {
 impl Loader<'_> {
     /// Reads the libraries that a `mtllib` names.
     pub(super) fn library(&mut self, line: &Line) -> Result<(), Error> {
+        let file = self.file.parent().map_or_else(PathBuf::new, |folder| folder.join(line.rest().replace('\\', "/")));
+        if !self.libraries.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
+            return Ok(());
+        }
         let Some(bytes) = self.named(line, line.rest())? else { return Ok(()) };
-        let file = self.file.parent().map_or_else(PathBuf::new, |folder| folder.join(line.rest()));
         let text = String::from_utf8_lossy(&bytes);
         let mut entry: Option<Entry> = None;
         for line in lines(&file, &text) {

@@ -12,8 +12,8 @@ use crate::folder::{self, Resolved, beside};
 use crate::{Error, Instance, Limits, Mesh, Scene};
 use glam::{DAffine3, Vec2, Vec3};
 use lines::{Line, lines};
-use std::collections::HashMap;
-use std::path::Path;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
 /// Statements that shape nothing a path tracer sees: names, smoothing (normals are in the file or the surface is flat),
 /// display.
@@ -27,7 +27,9 @@ struct Loader<'a> {
     positions: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
-    /// Materials of the libraries so far, by name.
+    /// Libraries so far: each is read once, however often it is named.
+    libraries: HashSet<PathBuf>,
+    /// Their materials, by name.
     materials: HashMap<String, usize>,
     /// Of each file of a texture, what became of it; `None` where the image cannot be had.
     images: HashMap<String, Option<usize>>,
@@ -66,6 +68,7 @@ pub(crate) fn load(file: &Path, limits: &Limits) -> Result<Scene, Error> {
         positions: Vec::new(),
         uvs: Vec::new(),
         normals: Vec::new(),
+        libraries: HashSet::new(),
         materials: HashMap::new(),
         images: HashMap::new(),
         images_left: limits.images_bytes,

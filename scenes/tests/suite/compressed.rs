@@ -20,16 +20,17 @@ fn bowl(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, (0..n * n).flat_map(square).collect())
 }
 
-/// The bowl as a Draco stream. Speed 10 takes another method than the rest, and 0 another traversal than 5.
+/// The bowl as a Draco stream, with normals and texture coordinates. Speed 10 takes another method than the rest, and 0 another
+/// traversal than 5.
 pub fn stream(n: u32, speed: i32) -> Vec<u8> {
     let (positions, triangles) = bowl(n);
     let mut mesh = Mesh::new();
-    let mut attribute = PointAttribute::new();
-    attribute.init(GeometryAttributeType::Position, 3, DataType::Float32, false, positions.len());
-    let bytes: Vec<u8> = positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    attribute.buffer_mut().write(0, &bytes);
     mesh.set_num_points(positions.len());
-    mesh.add_attribute(attribute);
+    let normals = positions.iter().map(|p| Vec3::new(-2.0 * p[0], -2.0 * p[1], 1.0).normalize().to_array());
+    let uvs = positions.iter().map(|p| [p[0] + 0.5, p[1] + 0.5]);
+    mesh.add_attribute(attribute(GeometryAttributeType::Position, &positions));
+    mesh.add_attribute(attribute(GeometryAttributeType::Normal, &normals.collect::<Vec<_>>()));
+    mesh.add_attribute(attribute(GeometryAttributeType::TexCoord, &uvs.collect::<Vec<_>>()));
     mesh.set_num_faces(triangles.len());
     for (i, t) in triangles.iter().enumerate() {
         mesh.set_face(FaceIndex(i as u32), t.map(PointIndex));
@@ -43,6 +44,14 @@ pub fn stream(n: u32, speed: i32) -> Vec<u8> {
     buffer.data().to_vec()
 }
 
+fn attribute<const N: usize>(kind: GeometryAttributeType, values: &[[f32; N]]) -> PointAttribute {
+    let mut attribute = PointAttribute::new();
+    attribute.init(kind, N as u8, DataType::Float32, false, values.len());
+    let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    attribute.buffer_mut().write(0, &bytes);
+    attribute
+}
+
 /// A file whose one primitive is in this stream, of the size of the bowl of n × n.
 pub fn packed(n: u32, stream: &[u8]) -> Value {
     let mut d = triangle();
@@ -51,9 +60,11 @@ pub fn packed(n: u32, stream: &[u8]) -> Value {
     d["accessors"] = json!([
         {"componentType": 5126, "count": (n + 1).pow(2), "type": "VEC3"},
         {"componentType": 5123, "count": 6 * n * n, "type": "SCALAR"},
+        {"componentType": 5126, "count": (n + 1).pow(2), "type": "VEC3"},
+        {"componentType": 5126, "count": (n + 1).pow(2), "type": "VEC2"},
     ]);
-    d["meshes"][0]["primitives"][0]["extensions"] =
-        json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}});
+    d["meshes"][0]["primitives"][0]["attributes"] = json!({"POSITION": 0, "NORMAL": 2, "TEXCOORD_0": 3});
+    d["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}}});
     d["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
     d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
     d
@@ -73,6 +84,12 @@ fn compare(n: u32, speed: i32) {
     assert_eq!(scene.warnings, []);
     let mesh = &scene.meshes[0];
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (positions.len(), triangles.len()));
+    let (normals, uvs) = (mesh.normals.as_ref().unwrap(), mesh.uvs[0].as_ref().unwrap());
+    for ((p, n), uv) in mesh.positions.iter().zip(normals).zip(uvs) {
+        // Normals have 8 bits or more to an axis of the octahedron, texture coordinates 10.
+        assert!(n.distance(Vec3::new(-2.0 * p.x, -2.0 * p.y, 1.0).normalize()) < 0.03, "{n} at {p}");
+        assert!((p.x + 0.5 - uv.x).abs() < 0.003 && (p.y + 0.5 - uv.y).abs() < 0.003, "{uv} at {p}");
+    }
     // Points and triangles come in another order, and positions were rounded to 11 bits or more.
     let corners = |triangle: [Vec3; 3]| {
         let mut corners = triangle.map(|p| (p * 1000.0).round().as_ivec3().to_array());

@@ -16,6 +16,8 @@ pub fn cases() -> Vec<(String, Vec<u8>)> {
     all.animations();
     all.instancing();
     all.containers();
+    all.extensions();
+    all.wavefront();
     all.0
 }
 
@@ -26,15 +28,16 @@ pub fn triangle_bytes() -> Vec<u8> {
     floats.iter().flat_map(|x| x.to_le_bytes()).chain(indices.iter().flat_map(|i| i.to_le_bytes())).collect()
 }
 
-struct Corpus(Vec<(String, Vec<u8>)>);
+/// Files by name.
+pub(super) struct Corpus(pub(super) Vec<(String, Vec<u8>)>);
 
 impl Corpus {
-    fn add(&mut self, name: &str, document: Value) {
+    pub(super) fn add(&mut self, name: &str, document: Value) {
         self.0.push((format!("{name}.gltf"), document.to_string().into_bytes()));
     }
 
     /// The triangle, changed.
-    fn vary(&mut self, name: &str, change: impl FnOnce(&mut Value)) {
+    pub(super) fn vary(&mut self, name: &str, change: impl FnOnce(&mut Value)) {
         let mut document = triangle();
         change(&mut document);
         self.add(name, document);
