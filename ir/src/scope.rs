@@ -7,6 +7,8 @@
 //!
 //! Cost: one bottom-up pass over the nodes, then a fixpoint over the continuations, on interned sets.
 
+use std::rc::Rc;
+
 use rustc_hash::FxHashMap;
 
 use crate::program::*;
@@ -165,27 +167,32 @@ impl Scope {
 /// Interned ascending sets of small numbers, with memoised union. An element is a parameter's node (even) or a mentioned
 /// continuation (odd).
 struct Sets {
-    sets: Vec<Box<[u32]>>,
-    index: FxHashMap<Box<[u32]>, u32>,
+    sets: Vec<Rc<[u32]>>,
+    index: FxHashMap<Rc<[u32]>, u32>,
     unions: FxHashMap<(u32, u32), u32>,
+    /// Scratch of [`Sets::union`].
+    merged: Vec<u32>,
 }
 
 impl Default for Sets {
     fn default() -> Sets {
-        let empty: Box<[u32]> = [].into();
-        Sets { sets: vec![empty.clone()], index: FxHashMap::from_iter([(empty, 0)]), unions: FxHashMap::default() }
+        let empty: Rc<[u32]> = [].into();
+        let index = FxHashMap::from_iter([(empty.clone(), 0)]);
+        Sets { sets: vec![empty], index, unions: FxHashMap::default(), merged: Vec::new() }
     }
 }
 
 impl Sets {
     const EMPTY: u32 = 0;
 
-    fn intern(&mut self, elems: Vec<u32>) -> u32 {
-        let elems: Box<[u32]> = elems.into();
-        *self.index.entry(elems).or_insert_with_key(|e| {
-            self.sets.push(e.clone());
-            self.sets.len() as u32 - 1
-        })
+    fn intern(&mut self, elems: &[u32]) -> u32 {
+        if let Some(known) = self.index.get(elems) {
+            return *known;
+        }
+        let (id, elems) = (self.sets.len() as u32, Rc::<[u32]>::from(elems));
+        self.sets.push(elems.clone());
+        self.index.insert(elems, id);
+        id
     }
 
     fn union(&mut self, a: u32, b: u32) -> u32 {
@@ -199,11 +206,16 @@ impl Sets {
         if let Some(known) = self.unions.get(&key) {
             return *known;
         }
-        let mut merged = self.sets[a as usize].to_vec();
-        merged.extend_from_slice(&self.sets[b as usize]);
-        merged.sort_unstable();
-        merged.dedup();
-        let id = self.intern(merged);
+        let mut merged = std::mem::take(&mut self.merged);
+        let (x, y) = (&self.sets[a as usize], &self.sets[b as usize]);
+        merge(x, y, &mut merged);
+        // Most often one is a part of the other.
+        let id = match merged.len() {
+            n if n == x.len() => a,
+            n if n == y.len() => b,
+            _ => self.intern(&merged),
+        };
+        self.merged = merged;
         self.unions.insert(key, id);
         id
     }
@@ -213,13 +225,28 @@ impl Sets {
     }
 }
 
+/// All elements of two ascending lists, each once.
+fn merge(a: &[u32], b: &[u32], into: &mut Vec<u32>) {
+    into.clear();
+    into.reserve(a.len() + b.len());
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() && j < b.len() {
+        let (x, y) = (a[i], b[j]);
+        into.push(x.min(y));
+        i += usize::from(x <= y);
+        j += usize::from(y <= x);
+    }
+    into.extend_from_slice(&a[i..]);
+    into.extend_from_slice(&b[j..]);
+}
+
 /// Parameters and continuations that each node mentions, through pure nodes only.
 fn node_uses(p: &Program, sets: &mut Sets) -> Vec<u32> {
     let mut uses: Vec<u32> = Vec::with_capacity(p.nodes.len());
     for id in (0..p.nodes.len() as u32).map(NodeId) {
         let mut set = match p.node(id) {
-            Node::Param { .. } => sets.intern(vec![id.0 * 2]),
-            Node::Cont(cont) => sets.intern(vec![cont.0 * 2 + 1]),
+            Node::Param { .. } => sets.intern(&[id.0 * 2]),
+            Node::Cont(cont) => sets.intern(&[cont.0 * 2 + 1]),
             _ => Sets::EMPTY,
         };
         p.operands(id, &mut |x| set = sets.union(set, uses[x.index()]));
@@ -248,7 +275,8 @@ fn free_params(p: &Program, uses: &[u32], sets: &mut Sets) -> Vec<u32> {
         for d in mentioned.last().expect("just pushed") {
             users[*d].push(c);
         }
-        free.push(sets.intern(elems.iter().copied().filter(|e| e % 2 == 0 && !owned_by(c, *e)).collect()));
+        let own: Vec<u32> = elems.iter().copied().filter(|e| e % 2 == 0 && !owned_by(c, *e)).collect();
+        free.push(sets.intern(&own));
     }
     // Inner continuations are usually made after outer ones, so the stack starts with the innermost.
     let mut work: Vec<usize> = (0..p.conts.len()).collect();
@@ -260,7 +288,7 @@ fn free_params(p: &Program, uses: &[u32], sets: &mut Sets) -> Vec<u32> {
             continue;
         }
         let elems: Vec<u32> = sets.sets[set as usize].iter().copied().filter(|e| !owned_by(c, *e)).collect();
-        let set = sets.intern(elems);
+        let set = sets.intern(&elems);
         if set != free[c] {
             free[c] = set;
             for u in &users[c] {

@@ -32,6 +32,7 @@ impl Machine<'_> {
         }
         self.log(c, reason, Decision::Unfolded, &args);
         self.unfolded[c.index()] += 1;
+        self.unfoldings += 1;
         self.trail = match self.p.cont(c).role {
             Role::Fun => self.trails.push(self.trail, c),
             // The rest of a function is entered with the calls that led to the function.

@@ -39,6 +39,9 @@ impl Machine<'_> {
         let name = match like {
             Value::Closure(c, _) => {
                 self.residuals[c.index()] += 1;
+                if self.residuals[c.index()] == 2 {
+                    self.several.push(c);
+                }
                 self.p.cont(c).name.clone()
             }
             _ => "return".into(),

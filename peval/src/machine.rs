@@ -65,8 +65,12 @@ pub(crate) struct Machine<'a> {
     pub(crate) made_in: Vec<ContId>,
     /// How often each generic continuation was unfolded.
     pub(crate) unfolded: Vec<u32>,
+    /// How often any was.
+    pub(crate) unfoldings: u64,
     /// How many residual continuations each generic continuation became.
     pub(crate) residuals: Vec<u32>,
+    /// Those that became several. (There are many continuations, and few are in a residual at all.)
+    pub(crate) several: Vec<ContId>,
     /// Continuations with so many copies that classes and `keep` no longer count.
     pub(crate) generalised: Vec<bool>,
     pub(crate) events: Vec<Event>,
@@ -101,7 +105,9 @@ impl<'a> Machine<'a> {
             copies: FxHashMap::default(),
             made_in: Vec::new(),
             unfolded: vec![0; p.conts.len()],
+            unfoldings: 0,
             residuals: vec![0; p.conts.len()],
+            several: Vec::new(),
             generalised: vec![false; p.conts.len()],
             events: Vec::new(),
             calls: Vec::new(),
@@ -249,13 +255,13 @@ impl<'a> Machine<'a> {
 
     /// What was done; times and sizes of passes are added by the caller.
     pub(crate) fn report(&self) -> Report {
-        let many = self.residuals.iter().enumerate().filter(|(_, n)| **n > 1);
-        let mut copies: Vec<(String, u32)> = many.map(|(c, n)| (self.p.conts[c].name.to_string(), *n)).collect();
+        let copies = |c: &ContId| (self.p.cont(*c).name.to_string(), self.residuals[c.index()]);
+        let mut copies: Vec<(String, u32)> = self.several.iter().map(copies).collect();
         copies.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
         Report {
             generic_nodes: self.p.nodes.len(),
             evaluations: self.evaluations,
-            unfoldings: self.unfolded.iter().map(|n| u64::from(*n)).sum(),
+            unfoldings: self.unfoldings,
             functions: self.functions.len(),
             copies,
             events: self.events.clone(),
