@@ -102,6 +102,34 @@ fn errors_of_direct_light_fall_faster() {
     }
 }
 
+/// The variance of the mean of all samples of a pixel, over seeds, is what the spread of the means of its eight sequences says; the
+/// spread of its samples says much more.
+#[test]
+fn the_spread_of_eight_sequences_tells_the_variance() {
+    const SAMPLES: usize = 128;
+    let renders = number("JERBOA_RENDERS", 256) as u32;
+    let closed = direct().into_iter().find(|c| c.name == "lamp at height 1").expect("a row of the table");
+    let (look, _) = &closed.looks[0];
+    let choices = Choices { max_depth: closed.max_depth, sampler: SamplerKind::SOBOL, ..Choices::default() };
+    let r = renderer(&closed.scene, Options { choices, ..Options::default() });
+    let window = Window { width: 1, height: 1, ..look.window };
+    let (mut all, mut told, mut by_samples) = (vec![], 0.0, 0.0);
+    for seed in 0..renders {
+        let pass = Pass { size: look.size, window, sample: 0, samples: SAMPLES as u32, seed };
+        let words = r.samples(&look.camera, &pass).unwrap_or_else(|e| panic!("{e}"));
+        let red: Vec<f64> = words[..SAMPLES].iter().map(|w| f64::from(f32::from_bits(*w))).collect();
+        let of = |sequence: usize| red.iter().skip(sequence).step_by(8).sum::<f64>() / (SAMPLES / 8) as f64;
+        all.push(red.iter().sum::<f64>() / SAMPLES as f64);
+        told += mean((0..8).map(of)).1.powi(2) / f64::from(renders);
+        by_samples += mean(red).1.powi(2) / f64::from(renders);
+    }
+    let variance = mean(all).1.powi(2) * f64::from(renders);
+    println!("variance {variance:.3e}, by eight means {told:.3e}, by samples {by_samples:.3e}");
+    // The standard error of a variance of 256 values is 9 % of it.
+    assert!((0.7..1.4).contains(&(told / variance)), "eight means tell {told}, not {variance}");
+    assert!(by_samples > 10.0 * variance, "samples by themselves tell {by_samples}");
+}
+
 /// Of the line of least squares.
 fn slope(points: &[[f64; 2]]) -> f64 {
     let centre = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64);
