@@ -9,7 +9,7 @@ use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residuals};
 use jerboa_lib_render::host::gpu::emit;
 use jerboa_lib_render::host::renderer::{Options, Renderer, Stats};
-use jerboa_lib_render::host::tables::{Choices, Known, Tables};
+use jerboa_lib_render::host::tables::{Choices, Known, SamplerKind, Tables};
 use jerboa_scenes::Scene;
 use jerboa_tests::harness::many::shaders;
 use jerboa_tests::sources::shared_scenes;
@@ -45,19 +45,20 @@ fn load(name: &str) -> Scene {
 }
 
 /// Film and counts of a device.
-fn render(scene: &Scene, device: DeviceKind) -> (Film, Stats) {
+fn render(scene: &Scene, device: DeviceKind, sampler: SamplerKind) -> (Film, Stats) {
     let mut film = Film::of_size([SIDE, SIDE]);
-    let stats = Renderer::new(scene, Options { device, spp: SPP, seed: 7, ..Options::default() })
+    let choices = Choices { sampler, ..Choices::default() };
+    let stats = Renderer::new(scene, Options { device, choices, spp: SPP, seed: 7, ..Options::default() })
         .and_then(|renderer| renderer.render(&scene.camera_or_default(), &mut film))
         .unwrap_or_else(|e| panic!("{}, {device:?}: {e}", scene.name));
     (film, stats)
 }
 
 /// Both GPU devices leave the film of the CPU device.
-fn films_are_the_same(scene: &Scene) {
-    let (right, expected) = render(scene, DeviceKind::Cpu);
+fn films_are_the_same(scene: &Scene, sampler: SamplerKind) {
+    let (right, expected) = render(scene, DeviceKind::Cpu, sampler);
     for device in GPUS {
-        let (film, stats) = render(scene, device);
+        let (film, stats) = render(scene, device, sampler);
         let rays = |stats: &Stats| [stats.closest_rays, stats.shadow_rays];
         println!("{}, {device:?}: {:?} rays in {:.2?}", scene.name, rays(&stats), stats.time);
         assert_eq!(rays(&stats), rays(&expected), "{}, {device:?}: rays", scene.name);
@@ -80,8 +81,16 @@ fn films_of_built_in_scenes_are_those_of_the_cpu() {
         return;
     }
     for name in chosen(&BUILTINS, QUICK[0]) {
-        films_are_the_same(&load(&format!("builtin:{name}")));
+        films_are_the_same(&load(&format!("builtin:{name}")), SamplerKind::Independent);
     }
+}
+
+#[test]
+fn films_of_sobol_points_are_those_of_the_cpu() {
+    if gpu("films_of_sobol_points_are_those_of_the_cpu").is_none() {
+        return;
+    }
+    films_are_the_same(&load("builtin:cornell-box"), SamplerKind::SOBOL);
 }
 
 #[test]
@@ -95,7 +104,7 @@ fn films_of_matched_scenes_are_those_of_the_cpu() {
     };
     for name in chosen(&MATCHED, QUICK[1]) {
         let file = shared.join(name).join(format!("{name}.matched.glb"));
-        films_are_the_same(&load(&file.to_string_lossy()));
+        films_are_the_same(&load(&file.to_string_lossy()), SamplerKind::Independent);
     }
 }
 

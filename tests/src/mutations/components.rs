@@ -234,6 +234,27 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         mistake: "u = 1 comes up for x >= 0xFFFFFF80 (x * 2^-32)",
     },
     Mutation {
+        name: "points-of-another-matrix",
+        file: "lib-render/src/core/sobol.rs",
+        before: "divided(i, 1, 0x6666_6666, 0x1111_1111)",
+        after: "divided(i, 1, 0x2222_2222, 0x1111_1111)",
+        mistake: "a mask has a hole: the third dimension's digits are not those of a polynomial",
+    },
+    Mutation {
+        name: "sequences-are-one",
+        file: "lib-render/src/sampler.rs",
+        before: "sample & ((U32::from(1) << log) - 1u32)",
+        after: "sample & U32::from(0)",
+        mistake: "the eight sequences of a pixel are the same, and so their means: there seems to be no variance",
+    },
+    Mutation {
+        name: "a-pair-of-one-number",
+        file: "lib-render/src/sampler.rs",
+        before: "(both << 16) | (b >> 16)",
+        after: "(both & 0xffff_0000u32) | (a >> 16)",
+        mistake: "both numbers of a pair are the first",
+    },
+    Mutation {
         name: "survivors-not-divided",
         file: "lib-render/src/tracer/path.rs",
         before: "throughput / survival",
