@@ -26,8 +26,7 @@ use crate::schema::{Lights, NONE};
 pub fn make_disk_light(row: Row<Lights>) -> Light {
     Light {
         sample_direct: Fun::lam(move |_, (rng, point): (Rng, Vec3)| {
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             let place = place(row, vec2(u, v));
             let to = place - point;
             let distance = to.length_scaled();
@@ -46,11 +45,9 @@ pub fn make_disk_light(row: Row<Lights>) -> Light {
             }
         }),
         sample_emission: Fun::lam(move |_, rng: Rng| {
-            let (u, rng) = rng.next();
-            let (v, rng) = rng.next();
+            let ([u, v], rng) = rng.pair();
             let pos = place(row, vec2(u, v));
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             let axis = first_edge(row);
             let (opening, radius) = (1.0 - row.get(Lights::COS_OUTER), row.get(Lights::RADIUS));
             let local = uniform_cone(vec2(u, v), opening);

@@ -22,8 +22,7 @@ use crate::schema::{Lights, NONE};
 pub fn make_sphere_light(row: Row<Lights>) -> Light {
     Light {
         sample_direct: Fun::lam(move |_, (rng, point): (Rng, Vec3)| {
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             let ball = Ball::new(row, point);
             let local = uniform_cone(vec2(u, v), ball.opening);
             let (tangent, bitangent) = onb(ball.axis);
@@ -41,11 +40,9 @@ pub fn make_sphere_light(row: Row<Lights>) -> Light {
             }
         }),
         sample_emission: Fun::lam(move |_, rng: Rng| {
-            let (u, rng) = rng.next();
-            let (v, rng) = rng.next();
+            let ([u, v], rng) = rng.pair();
             let normal = uniform_sphere(vec2(u, v));
-            let (u, rng) = rng.next();
-            let (v, _) = rng.next();
+            let ([u, v], _) = rng.pair();
             let local = cosine_hemisphere(vec2(u, v));
             let (tangent, bitangent) = onb(normal);
             let radius = row.get(Lights::RADIUS);

@@ -52,8 +52,7 @@ pub fn meet(row: Row<Lights>, dir: Vec3) -> Met {
 
 /// A direction to the sun, unit.
 fn sample(row: Row<Lights>, rng: Rng) -> (Vec3, Rng) {
-    let (u, rng) = rng.next();
-    let (v, rng) = rng.next();
+    let ([u, v], rng) = rng.pair();
     let local = uniform_cone(vec2(u, v), row.get(Lights::OPENING));
     let middle = -first_edge(row);
     let (tangent, bitangent) = onb(middle);

@@ -54,8 +54,8 @@ pub struct RenderArgs {
     /// How random numbers are drawn
     #[arg(long, value_name = "SAMPLER", value_enum, default_value_t)]
     pub sampler: SamplerArg,
-    /// Independent sequences that the Sobol points of a pixel come from: 1, 2, 4, …; by more than one the variance is known, by
-    /// fewer it is less
+    /// Independent sequences that the Sobol points of a pixel come from: 1, 2, 4, …; by 8 --noise tells the error, by fewer there
+    /// is less, and --noise tells too much
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = power_of_two)]
     pub scrambles: u32,
     /// Another seed gives another, independent image
