@@ -6,7 +6,7 @@
 //! 3,700). The quick form has 100 blocks, of which 3 % say little, and allows what [`quick`] says: 1 in 800.
 //!
 //! ```text
-//! JERBOA_BLOCKS=20 JERBOA_SPP=16 cargo test --release -p jerboa-tests --test tracers agree -- --nocapture --test-threads 1
+//! JERBOA_BLOCKS=20 JERBOA_SPP=2 cargo test --release -p jerboa-tests --test tracers agree -- --nocapture --test-threads 1
 //! ```
 
 use glam::{DAffine3, DVec3, Vec3};
