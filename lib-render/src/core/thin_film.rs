@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::F32;
+use jerboa_ir::lang::{F32, Fun};
 
 use crate::core::color::{Color, color};
 use crate::core::fresnel::fresnel_normal;
@@ -18,6 +18,14 @@ pub struct Film {
     pub thickness: F32,
 }
 impl_staged!(Film { ior, thickness });
+
+/// (cosine outside, film, what the base reflects at normal incidence) → [`fresnel_film`].
+pub type FilmFn = Fun<(F32, Film, Color), Color>;
+
+/// The factor as a function of the program: it is long, and materials ask for it at many places.
+pub fn make_fresnel_film() -> FilmFn {
+    FilmFn::lam(|_, (cos, film, f0)| fresnel_film(cos, film, f0))
+}
 
 /// Reflectance, each channel in [0, 1], of a film on a base that reflects `f0` at normal incidence, for light at this cosine
 /// outside.

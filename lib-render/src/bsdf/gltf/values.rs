@@ -7,7 +7,7 @@ use crate::core::color::{Color, black};
 use crate::core::fresnel::{fresnel_dielectric, fresnel_normal, fresnel_passed, fresnel_schlick, refracted_cos};
 use crate::core::microfacet::Widths;
 use crate::core::sampling::share_of;
-use crate::core::thin_film::{Film, fresnel_film};
+use crate::core::thin_film::{Film, FilmFn, make_fresnel_film};
 use crate::core::vec::{Vec3, vec3};
 
 /// The material at a point. A lobe whose flag is off is not looked at.
@@ -49,6 +49,8 @@ pub struct GltfValues {
     pub film_share: F32,
     /// The film.
     pub film: Film,
+    /// Its factor.
+    pub fresnel_film: FilmFn,
     /// Index of the inside over the outside; 0 reflects everything.
     pub ior: F32,
     /// Strength of the layer.
@@ -77,6 +79,7 @@ impl_staged!(GltfValues {
     diffuse_transmission_color,
     film_share,
     film,
+    fresnel_film,
     ior,
     specular,
     specular_color,
@@ -106,6 +109,7 @@ impl GltfValues {
             diffuse_transmission_color: black(),
             film_share: zero,
             film: Film { ior: zero, thickness: zero },
+            fresnel_film: make_fresnel_film(),
             ior: zero,
             specular: zero,
             specular_color: black(),
@@ -208,8 +212,8 @@ impl GltfValues {
                 let passed = (1.0 - self.specular) + self.specular * ((1.0 - f0.max_channel()) * rest);
                 b.if_(
                     self.has_film,
-                    |_| {
-                        let film = fresnel_film(outside, self.film, f0);
+                    |b| {
+                        let film = self.fresnel_film.call(b, (outside, self.film, f0));
                         // Apart, since what passes without a film is known without cancellation: reciprocity needs it.
                         let beside = passed * (1.0 - self.film_share);
                         let passed = beside + self.film_share * (1.0 - self.specular * film.max_channel());
@@ -232,7 +236,10 @@ impl GltfValues {
             self.has_metal,
             |b| {
                 let metal = fresnel_schlick(self.base, cos);
-                let film = |_: &mut Block| metal.lerp(fresnel_film(outside, self.film, self.base), self.film_share);
+                let film = |b: &mut Block| {
+                    let film = self.fresnel_film.call(b, (outside, self.film, self.base));
+                    metal.lerp(film, self.film_share)
+                };
                 let metal = b.if_(self.has_film, film, |_| metal);
                 layer.reflected.lerp(metal, self.metallic)
             },
