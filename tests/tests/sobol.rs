@@ -183,7 +183,7 @@ fn direct_light_has_less_variance() {
     ];
     for (name, slope, sizes) in cases {
         for (n, least) in sizes {
-            let of = |draw: &mut dyn FnMut(u32) -> f64| mean((0..renders as u32).map(|render| draw(render)));
+            let of = |draw: &mut dyn FnMut(u32) -> f64| mean((0..renders as u32).map(draw));
             let (truth, error) =
                 of(&mut |_| (0..n).map(|_| light([0; 4].map(|_| random.uniform()), slope)).sum::<f64>() / f64::from(n));
             let (found, less) = of(&mut |render| {
