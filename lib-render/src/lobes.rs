@@ -3,13 +3,15 @@
 use jerboa_ir::lang::{Block, Bool, F32, Row};
 
 use crate::bsdf::Bsdf;
-use crate::bsdf::coat::{CoatValues, make_coat};
+use crate::bsdf::coat::{CoatValues, make_coat, passed};
 use crate::bsdf::gltf::GltfValues;
 use crate::bsdf::layer::make_layered_bsdf;
 use crate::bsdf::models::Site;
 use crate::bsdf::sheen::{SheenValues, make_sheen};
 use crate::components::Components;
+use crate::core::color::Color;
 use crate::core::thin_film::Film;
+use crate::core::vec::Vec2;
 use crate::geometry::SurfaceElement;
 use crate::material::{is_smooth, textured};
 use crate::normal_map::{NormalMap, mapped_normal};
@@ -79,15 +81,31 @@ fn sheen_values(b: &mut Block, site: Site, under: F32) -> SheenValues {
     }
 }
 
+/// Share of the surface that the coat covers.
+fn coat_strength(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
+    let factor = row.get(Materials::COAT);
+    let textured = |b: &mut Block| factor * look_up(b, row.get(Materials::COAT_TEXTURE), uv).color.r;
+    b.if_(row.get(Materials::COAT_TEXTURED), textured, |_| factor)
+}
+
+/// What comes through the coat of light that the material emits, in a direction of this cosine to the face normal
+/// (KHR_materials_clearcoat, "Emission"). By the face normal and not the coat's own, so that light sampling, which has no
+/// surface element, gives what a ray sees.
+pub fn through_coat(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2], cos: F32, light: Color) -> Color {
+    let coated = |b: &mut Block| {
+        let strength = coat_strength(b, row, uv);
+        let is_inside = row.get(Materials::HAS_TRANSMISSION) & !row.get(Materials::THIN) & cos.lt(0.0);
+        light * is_inside.select(1.0.into(), passed(strength, cos.abs()))
+    };
+    let asked = |b: &mut Block| b.if_(row.get(Materials::HAS_COAT), coated, |_| light);
+    b.if_(Lobe::Coat.is_used(), asked, |_| light)
+}
+
 /// The coat.
 fn coat_values(b: &mut Block, row: Row<Materials>, plain: SurfaceElement, solid: Bool, under: F32) -> CoatValues {
     let get = |column| row.get(column);
     let uv = plain.uv;
-    let strength = b.if_(
-        row.get(Materials::COAT_TEXTURED),
-        |b| get(Materials::COAT) * look_up(b, row.get(Materials::COAT_TEXTURE), uv).color.r,
-        |_| get(Materials::COAT),
-    );
+    let strength = coat_strength(b, row, uv);
     let roughness = b.if_(
         row.get(Materials::COAT_ROUGHNESS_TEXTURED),
         |b| get(Materials::COAT_ROUGHNESS) * look_up(b, row.get(Materials::COAT_ROUGHNESS_TEXTURE), uv).color.g,

@@ -10,6 +10,7 @@ use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
 use crate::geometry::SurfaceElement;
 use crate::light::area_pdf;
+use crate::lobes::through_coat;
 use crate::schema::{Materials, SMOOTH_ALPHA, SMOOTH_ALWAYS, SMOOTH_PER_HIT, Textures};
 use crate::texture::look_up;
 
@@ -128,12 +129,13 @@ pub fn absorption(b: &mut Block, row: Row<Materials>) -> Color {
     b.if_(row.get(Materials::HAS_ABSORPTION), |_| read_color(row, columns), |_| black())
 }
 
-/// Lambertian emission of a surface: from the front, and from the back where the material is double-sided.
+/// Lambertian emission of a surface: from the front, and from the back where the material is double-sided. A clear coat dims it.
 pub fn make_emission(row: Row<Materials>, surf: SurfaceElement) -> EmissionFn {
     EmissionFn::lam(|b, dir| {
         let cos = surf.face_cos(dir);
         let both = row.get(Materials::DOUBLE_SIDED);
         let radiance = emitted_radiance(b, row, surf.uv);
+        let radiance = through_coat(b, row, surf.uv, cos, radiance);
         EmissionValue {
             intensity: (both | cos.gt(0.0)).select(radiance, black()),
             pdf_area: area_pdf(surf.light),

@@ -85,6 +85,12 @@ pub fn make_coat(surf: SurfaceElement, number: u32, values: CoatValues) -> Layer
     }
 }
 
+/// Share of light that passes a coat of this strength once, in a direction of this cosine to its normal, in [0, 1].
+pub fn passed(strength: F32, cos: F32) -> F32 {
+    let eta = F32::from(IOR);
+    (1.0 - strength) + strength * fresnel_passed(cos, refracted_cos(cos, eta), eta)
+}
+
 /// The coat seen from wo.
 #[derive(Clone, Copy)]
 struct View {
@@ -145,9 +151,7 @@ impl View {
     }
 
     fn passes_once(self, w: Vec3, outside: Bool) -> F32 {
-        let (cos, c) = (self.side.normal.dot(w).abs(), self.values.strength);
-        let eta = F32::from(IOR);
-        let passed = (1.0 - c) + c * fresnel_passed(cos, refracted_cos(cos, eta), eta);
+        let passed = passed(self.values.strength, self.side.normal.dot(w).abs());
         self.covers(outside).select(passed, 1.0.into())
     }
 

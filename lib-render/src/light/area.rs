@@ -1,10 +1,10 @@
-//! Area lights: emissive triangles, alone or two as a parallelogram; Lambertian. Sampled uniformly by
-//! area or, if the render asks for it, from a point uniformly by solid angle ([`SeenTriangle`]), a parallelogram by its halves:
-//! then neither distance nor cosine is left in the weight of a sample, and a point that a lamp nearly touches has no more
-//! variance than another. In rooms that is not worth its time (`tests/runs/lights.txt`).
+//! Area lights: emissive triangles, alone or two as a parallelogram; Lambertian, but for what a clear coat keeps. Sampled
+//! uniformly by area or, if the render asks for it, from a point uniformly by solid angle ([`SeenTriangle`]), a parallelogram by
+//! its halves: then neither distance nor cosine is left in the weight of a sample, and a point that a lamp nearly touches has no
+//! more variance than another. In rooms that is not worth its time (`tests/runs/lights.txt`).
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, Bool, F32, Fun, Row};
+use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
 
 use crate::core::color::{Color, black};
 use crate::core::onb::onb;
@@ -15,6 +15,7 @@ use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::offset::offset_point;
 use crate::geometry::triangle::{GAMMA_7, Triangle};
 use crate::light::{DirectLightSample, EmissionSample, Light, first_edge, position, strength};
+use crate::lobes::through_coat;
 use crate::material::{EmissionValue, emitted_radiance};
 use crate::ray::Hit;
 use crate::schema::{Lights, Settings};
@@ -24,7 +25,7 @@ pub fn make_triangle_light(row: Row<Lights>) -> Light {
     make_area_light(row, Shape::Triangle)
 }
 
-/// An emissive parallelogram. Never textured (`host::tables` pairs no textured triangles).
+/// An emissive parallelogram.
 pub fn make_quad_light(row: Row<Lights>) -> Light {
     make_area_light(row, Shape::Parallelogram)
 }
@@ -49,6 +50,27 @@ impl Shape {
     fn uniform(self, u: Vec2) -> Vec2 {
         if self == Shape::Triangle { uniform_triangle(u) } else { u }
     }
+
+    /// The point with these weights of the edges, as a hit of the primitive it is on.
+    fn hit(self, row: Row<Lights>, weights: Vec2) -> Hit {
+        let of = |primitive, weights: Vec2| Hit { primitive, t: 0.0.into(), u: weights.x, v: weights.y };
+        let first = row.get(Lights::PRIMITIVE);
+        if self == Shape::Triangle {
+            return of(first, weights);
+        }
+        // The other half: its edges leave from the opposite corner, towards the same two.
+        let beyond = vec2(1.0 - weights.x, 1.0 - weights.y);
+        let second = of(row.get(Lights::PRIMITIVE1), turned(beyond, row.get(Lights::TURN1)));
+        (weights.x + weights.y).le(1.0).select(of(first, turned(weights, row.get(Lights::TURN))), second)
+    }
+}
+
+/// Weights of a triangle's second and third corner, where these are those of the two that follow the corner of this number.
+fn turned(weights: Vec2, corner: U32) -> Vec2 {
+    let (after, last) = (weights.x, weights.y);
+    let own = 1.0 - after - last;
+    let turned = corner.eq(1u32).select(vec2(own, after), vec2(last, own));
+    corner.eq(0u32).select(weights, turned)
 }
 
 /// Are lamps sampled by solid angle, not by area?
@@ -113,7 +135,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
             wi,
             pos: place.seen_from(-to),
             distance,
-            intensity: b.if_(shines, |b| radiance(b, row, weights), |_| black()),
+            intensity: b.if_(shines, |b| radiance(b, row, shape, weights, cos), |_| black()),
             pdf_dir: shines
                 .select(by_angle.select(pdf, point_pdf(row) * (distance * distance / cos.abs())), F32::from(0.0)),
             is_delta: false.into(),
@@ -135,7 +157,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
         EmissionSample {
             pos: place.seen_from(dir),
             dir,
-            intensity: radiance(b, row, weights),
+            intensity: radiance(b, row, shape, weights, place.normal.dot(dir)),
             cos: local.z,
             pdf_area: point_pdf(row),
             pdf_dir: emission_pdf(row, local.z),
@@ -144,7 +166,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
     let emission = Fun::lam(move |b: &mut Block, (dir, weights): (Vec3, Vec2)| {
         let cos = Place::new(row, weights).normal.dot(dir);
         EmissionValue {
-            intensity: b.if_(shines(row, cos), |b| radiance(b, row, weights), |_| black()),
+            intensity: b.if_(shines(row, cos), |b| radiance(b, row, shape, weights, cos), |_| black()),
             pdf_area: point_pdf(row),
             pdf_dir: emission_pdf(row, cos),
         }
@@ -172,16 +194,17 @@ fn emission_pdf(row: Row<Lights>, cos: F32) -> F32 {
     row.get(Lights::DOUBLE_SIDED).select(cosine_hemisphere_pdf(cos.abs()) * 0.5, front)
 }
 
-/// Radiance from the sides that emit, W/(m² sr), at these weights of the edges.
-fn radiance(b: &mut Block, row: Row<Lights>, weights: Vec2) -> Color {
+/// Radiance from the sides that emit, W/(m² sr), at these weights of the edges, in a direction of this cosine to the front.
+fn radiance(b: &mut Block, row: Row<Lights>, shape: Shape, weights: Vec2, cos: F32) -> Color {
+    let material = row.get(Lights::MATERIAL);
     let textured = |b: &mut Block| {
-        let primitive = row.get(Lights::PRIMITIVE);
-        let hit = Hit { primitive, t: 0.0.into(), u: weights.x, v: weights.y };
-        let triangle = Triangle::of(b, hit);
+        let triangle = Triangle::of(b, shape.hit(row, weights));
         let uv = b.dispatch(triangle.geometry(), |b, geometry| triangle.uv(b, geometry));
-        emitted_radiance(b, row.get(Lights::MATERIAL), uv)
+        let radiance = emitted_radiance(b, material, uv);
+        through_coat(b, material, uv, cos, radiance)
     };
-    b.if_(row.get(Lights::TEXTURED), textured, |_| strength(row))
+    let plain = |b: &mut Block| through_coat(b, material, [vec2(0.0, 0.0); 2], cos, strength(row));
+    b.if_(row.get(Lights::TEXTURED), textured, plain)
 }
 
 /// A point on the light.

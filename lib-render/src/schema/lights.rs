@@ -32,7 +32,7 @@ table! {
         KIND: U32, structure;
         /// Area lights: does emission leave both sides?
         DOUBLE_SIDED: Bool, structure;
-        /// Area lights: is emission textured?
+        /// Area lights: is emission textured, or the coat over it?
         TEXTURED: Bool, structure;
         /// Area lights: the material.
         MATERIAL: ref Materials, structure;
@@ -85,6 +85,10 @@ table! {
         ABSORPTION_G: F32, value;
         /// See [`Lights::ABSORPTION_R`].
         ABSORPTION_B: F32, value;
+        /// Textured quads: how many corners the first primitive begins before P0.
+        TURN: U32, value;
+        /// Textured quads: how many corners the second primitive begins before P0+E1+E2.
+        TURN1: U32, value;
         /// Sphere and disk: radius, m.
         RADIUS: F32, value;
         /// Sun: 1 − cosine of half the angle across.

@@ -31,7 +31,7 @@ use jerboa_lib_render::ray::Ray;
 use jerboa_lib_render::schema::{Geometries, Lights, NONE, Primitives, Settings};
 use jerboa_lib_render::shader::make_shader;
 use jerboa_lib_render::traverse::{AcceptFn, make_traverse};
-use jerboa_scenes::{Filter, LightKind, Material, Scene, Texture, TextureRef, TextureSource};
+use jerboa_scenes::{Clearcoat, Filter, LightKind, Material, Scene, Texture, TextureRef, TextureSource};
 
 pub use chart::Chart;
 
@@ -305,6 +305,19 @@ pub fn lights() -> Vec<Lit> {
         lamp("one-sided lamp, from behind", above(0.5), false, [0.1, 1.0, 0.2]),
         lamp("lamp, from its plane", above(0.5), false, [1.1, 0.5, 0.2]),
     ];
+    // Each way in which two triangles can begin at a corner of a quad.
+    for (turn, turn1) in [(0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 2)] {
+        let mut quad = lamp("quad", above(0.5), true, [0.1, 0.0, 0.2]);
+        let [t, s] = &mut quad.scene.meshes[0].triangles[..] else { unreachable!("a quad has two halves") };
+        t.rotate_left(turn);
+        s.rotate_left(turn1);
+        let quad = textured(&quad);
+        all.push(Lit { name: format!("{}, its halves turned by {turn} and {turn1}", quad.name), ..quad });
+    }
+    let mut coated = lamp("coated lamp", above(0.3), false, [0.9, 0.0, 0.2]);
+    coated.scene.materials[0].clearcoat = Some(Clearcoat::new(0.8, 0.0));
+    all.push(textured(&coated));
+    all.push(coated);
     let mut triangle = lamp("triangle", above(0.5), false, [0.1, 0.0, 0.2]);
     triangle.scene.meshes[0].triangles.truncate(1);
     triangle.chart = Some(Chart::Triangle(above(0.5)));

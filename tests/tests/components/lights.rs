@@ -480,6 +480,26 @@ fn the_rays_that_leave_a_light_carry_its_flux() {
     check(&sun, 2.0 * PI * 9.0 * (1.0 - 0.5_f64.cos()) / 0.5_f64.sin().powi(2), "sun");
 }
 
+/// Emission under a clear coat: 1 − c F of it, with the exact Fresnel factor F of index 1.5 (KHR_materials_clearcoat). What light
+/// sampling gives is compared with what a ray sees, here, by the rows of coated lamps.
+#[test]
+fn a_coat_dims_emission() {
+    let table = lights();
+    let row = table.iter().find(|row| row.name == "coated lamp").expect("it is in the table");
+    let mut probe = LightProbe::default();
+    probe.load(&row.scene);
+    for cos in [1.0_f64, 0.8, 0.5, 0.1] {
+        let inner = (1.0 - (1.0 - cos * cos) / 2.25).sqrt();
+        let [s, p] = [(cos - 1.5 * inner) / (cos + 1.5 * inner), (1.5 * cos - inner) / (1.5 * cos + inner)];
+        let expected = 2.0 * (1.0 - 0.8 * (s * s + p * p) / 2.0);
+        // The lamp is at height 0.3; a ray that ends at its middle.
+        let dir = [(1.0 - cos * cos).sqrt(), cos, 0.0];
+        let from = [-dir[0] / cos * 0.1, 0.2, 0.0].map(|x| x as f32);
+        let seen = probe.see(from, dir.map(|x| x as f32));
+        assert!((f64::from(seen.radiance) / expected - 1.0).abs() < 1e-5, "cos {cos}: {seen:?}, not {expected}");
+    }
+}
+
 /// Lights with a size.
 const SIZED: [LightKind; 3] = [
     LightKind::Sphere { radius: 0.3 },

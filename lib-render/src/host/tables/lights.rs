@@ -68,6 +68,8 @@ struct Quad {
     primitive: u32,
     /// The corner of the first triangle that the two edges of the parallelogram leave from.
     corner: usize,
+    /// The corner of the second triangle that is opposite.
+    opposite: usize,
 }
 
 /// Relative deviation from a parallelogram up to which two triangles are paired: 4 units in the last place.
@@ -229,10 +231,10 @@ fn area(scene: &Scene, origin: DVec3) -> impl Iterator<Item = Candidate> {
                 continue;
             }
             let m = &scene.materials[emitter.material];
-            let second = emitters.peek().filter(|e| e.instance == emitter.instance && m.emissive_texture.is_none());
+            let second = emitters.peek().filter(|e| e.instance == emitter.instance);
             let other = second.and_then(|e| {
-                let corner = parallelogram(&emitter.triangle, &e.triangle)?;
-                Some(Quad { primitive: e.primitive, corner })
+                let [corner, opposite] = parallelogram(&emitter.triangle, &e.triangle)?;
+                Some(Quad { primitive: e.primitive, corner, opposite })
             });
             if other.is_some() {
                 emitters.next();
@@ -285,18 +287,25 @@ fn area_of(t: &Triangle) -> f32 {
     (e1.as_dvec3().cross(e2.as_dvec3()).length() / 2.0) as f32
 }
 
-/// The corner of `t` from which both edges of the parallelogram `t` ∪ `s` leave, if they form one with the same front.
-fn parallelogram(t: &Triangle, s: &Triangle) -> Option<usize> {
-    (0..3).find(|corner| {
-        let [p, e1, e2] = edges(t, *corner);
+/// The corner of `t` from which both edges of the parallelogram `t` ∪ `s` leave, if they form one with the same front, and the
+/// corner of `s` that is opposite.
+fn parallelogram(t: &Triangle, s: &Triangle) -> Option<[usize; 2]> {
+    let opposite = |corner: usize| {
+        let [p, e1, e2] = edges(t, corner);
         let fourth = p + e1 + e2;
         let size = e1.abs().max(e2.abs()).max_element().max(p.abs().max_element());
         let near = |x: [f32; 3], y: Vec3| (Vec3::from(x) - y).abs().max_element() <= PARALLELOGRAM * size;
         // The other half runs through the shared edge the other way round.
-        (0..3).any(|i| {
-            near(s[i], fourth) && s[(i + 1) % 3] == t[(corner + 2) % 3] && s[(i + 2) % 3] == t[(corner + 1) % 3]
+        (0..3).find(|i| {
+            near(s[*i], fourth) && s[(i + 1) % 3] == t[(corner + 2) % 3] && s[(i + 2) % 3] == t[(corner + 1) % 3]
         })
-    })
+    };
+    (0..3).find_map(|corner| Some([corner, opposite(corner)?]))
+}
+
+/// Does what a material emits vary over it, or what its coat lets through?
+fn is_textured(m: &jerboa_scenes::Material) -> bool {
+    m.emissive_texture.is_some() || m.clearcoat.as_ref().is_some_and(|coat| coat.texture.is_some())
 }
 
 fn write(row: &mut RowMut<L>, scene: &Scene, place: Place, kind: &Kind) {
@@ -308,9 +317,11 @@ fn write(row: &mut RowMut<L>, scene: &Scene, place: Place, kind: &Kind) {
             let whole = if other.is_some() { 1.0 } else { 0.5 };
             let area = e1.as_dvec3().cross(e2.as_dvec3()).length() * whole;
             row.set(L::KIND, if other.is_some() { LIGHT_QUAD } else { LIGHT_TRIANGLE });
-            row.set(L::DOUBLE_SIDED, m.double_sided).set(L::TEXTURED, m.emissive_texture.is_some());
+            row.set(L::DOUBLE_SIDED, m.double_sided).set(L::TEXTURED, is_textured(m));
             row.set(L::MATERIAL, emitter.material as u32).set(L::PRIMITIVE, emitter.primitive);
             row.set(L::PRIMITIVE1, other.map_or(NONE, |q| q.primitive)).set(L::AREA, area as f32);
+            let [turn, turn1] = other.map_or([0; 2], |q| [q.corner as u32, q.opposite as u32]);
+            row.set(L::TURN, turn).set(L::TURN1, turn1);
             row.set_all([L::P_X, L::P_Y, L::P_Z], p.to_array()).set_all([L::E1_X, L::E1_Y, L::E1_Z], e1.to_array());
             row.set_all([L::E2_X, L::E2_Y, L::E2_Z], e2.to_array()).set_all([L::R, L::G, L::B], m.emissive);
         }
