@@ -6,7 +6,10 @@ use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::image_io::Image;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::tables::Choices;
-use jerboa_scenes::{Environment, Light, LightKind, Material, Model, Scene, builtin};
+use jerboa_scenes::{
+    Anisotropy, Clearcoat, DiffuseTransmission, Environment, Iridescence, Light, LightKind, Material, Model, Scene,
+    Sheen, builtin,
+};
 
 fn load(name: &str) -> Scene {
     Scene::load(format!("builtin:{name}")).unwrap_or_else(|e| panic!("{e}"))
@@ -91,6 +94,68 @@ fn extreme_surfaces_drop_nothing() {
         let model = Some(Model::named("phong").with("ks", &[0.5; 3]).with("ns", &[ns]));
         let what = format!("Phong's exponent {ns}");
         assert_eq!(dropped(&what, &balls(Material { model, ..Material::diffuse("phong", [0.5; 3]) })), 0, "{what}");
+    }
+}
+
+/// The lobes of glTF's extensions and the other models, at the ends of what their numbers may be.
+#[test]
+fn extreme_lobes_and_models_drop_nothing() {
+    type Change = (&'static str, fn(&mut Material));
+    let lobes: [Change; 11] = [
+        ("a coat", |m| m.clearcoat = Some(Clearcoat::new(1.0, 0.0))),
+        ("a rough coat", |m| m.clearcoat = Some(Clearcoat::new(1.0, 1.0))),
+        ("a smooth sheen", |m| m.sheen = Some(Sheen::new([1.0; 3], 0.0))),
+        ("a sheen", |m| m.sheen = Some(Sheen::new([1.0; 3], 1.0))),
+        ("a black sheen under a coat", |m| {
+            (m.sheen, m.clearcoat) = (Some(Sheen::new([0.0, 0.0, 1e-30], 0.0)), Some(Clearcoat::new(1e-30, 0.0)));
+        }),
+        ("anisotropy", |m| m.anisotropy = Some(Anisotropy { rotation: 1e4, ..Anisotropy::new(1.0) })),
+        ("diffuse transmission", |m| m.diffuse_transmission = Some(DiffuseTransmission::new(1.0, [1.0; 3]))),
+        ("a film of nothing", |m| m.iridescence = Some(Iridescence { ior: 1.0, ..Iridescence::new(1.0, 0.0) })),
+        ("a film of 1e4", |m| m.iridescence = Some(Iridescence::new(1.0, 1e4))),
+        ("a dense film", |m| m.iridescence = Some(Iridescence { ior: 1e3, ..Iridescence::new(1.0, f32::MAX) })),
+        ("all of them", |m| {
+            m.clearcoat = Some(Clearcoat::new(1.0, 0.5));
+            m.sheen = Some(Sheen::new([1.0; 3], 0.5));
+            m.anisotropy = Some(Anisotropy::new(1.0));
+            m.diffuse_transmission = Some(DiffuseTransmission::new(0.5, [1.0; 3]));
+            m.iridescence = Some(Iridescence::new(1.0, 400.0));
+        }),
+    ];
+    let grounds: [(&str, Material); 4] = [
+        ("smooth plastic", Material::plastic("plastic", [1.0; 3], 0.0)),
+        ("metal in rough plastic", Material { metallic: 0.5, ..Material::plastic("plastic", [1.0; 3], 1.0) }),
+        ("smooth glass", Material::glass("glass", 1.5)),
+        ("rough glass of index 1", Material { roughness: 1.0, ..Material::glass("glass", 1.0) }),
+    ];
+    for ((lobe, change), (ground, material)) in lobes.iter().flat_map(|lobe| grounds.iter().map(move |g| (lobe, g))) {
+        let (what, mut material) = (format!("{lobe} on {ground}"), material.clone());
+        change(&mut material);
+        assert_eq!(dropped(&what, &balls(material)), 0, "{what}");
+    }
+    // Name, numbers, and glTF's index of refraction.
+    type Row = (&'static str, &'static [(&'static str, f32)], f32);
+    let models: [Row; 14] = [
+        ("rough-diffuse", &[], 1.5),
+        ("conductor", &[("eta", 0.01), ("k", 0.0)], 1.5),
+        ("conductor", &[("eta", 0.01), ("k", 20.0)], 1.5),
+        ("conductor", &[("eta", 1.0), ("k", 0.0)], 1.5),
+        ("conductor", &[("eta", 20.0), ("k", 20.0)], 1.5),
+        ("dielectric", &[], 1.0),
+        ("dielectric", &[], 1e3),
+        ("dielectric", &[], 0.0),
+        ("plastic", &[], 1.0),
+        ("plastic", &[], 1e3),
+        ("plastic", &[], 0.0),
+        ("thin-glass", &[], 1.0),
+        ("thin-glass", &[], 1e3),
+        ("mirror", &[], 1.5),
+    ];
+    for ((name, numbers, ior), roughness) in models.iter().flat_map(|m| [0.0, 1.0].map(|r| (m, r))) {
+        let model = numbers.iter().fold(Model::named(name), |model, (name, x)| model.with(name, &[*x]));
+        let material = Material { model: Some(model), ior: *ior, roughness, ..Material::diffuse(name, [1.0; 3]) };
+        let what = format!("{name} {numbers:?}, index {ior}, roughness {roughness}");
+        assert_eq!(dropped(&what, &balls(material)), 0, "{what}");
     }
 }
 

@@ -83,17 +83,21 @@ pub fn make_conductor_bsdf(surf: SurfaceElement, metal: Metal, alpha: F32, smoot
 /// Reflectance of a metal of complex index eta + ik for unpolarised light at a cosine ≥ 0, exact.
 ///
 /// Source: Born & Wolf 1999, section 14.2, equations 13 to 15 for a² and b². Error ≤ 1e-6 for eta from 0.01 to 20, k up to 20
-/// (`tests/tests/scattering/fresnel.rs`): the real part is found without the difference that good metals make small.
+/// (`tests/tests/scattering/fresnel.rs`), and never below 0: a² and b² are found without the difference that is small, and both
+/// polarisations are sums of squares.
 pub fn fresnel_conductor(cos: F32, eta: F32, k: F32) -> F32 {
     let (cos2, sin2) = (cos * cos, (1.0 - cos * cos).max(0.0));
     // (a + ib)² = (eta + ik)² − sin²
     let (re, im) = ((eta - k) * (eta + k) - sin2, 2.0 * eta * k);
-    let size = (re * re + im * im).sqrt();
-    let a2 = re.gt(0.0).select(0.5 * (size + re), 0.5 * (im * im) / (size - re));
-    let a = a2.max(0.0).sqrt();
-    let s = (size + cos2 - 2.0 * (a * cos)) / (size + cos2 + 2.0 * (a * cos));
-    let (sum, part) = (cos2 * size + sin2 * sin2, 2.0 * (a * cos) * sin2);
-    // At cos = 0 everything is reflected; there p would be 1/1, also where the size is 0.
-    let p = s * ((sum - part) / (sum + part));
-    cos.gt(0.0).select(0.5 * (s + p), 1.0.into())
+    let large = 0.5 * ((re * re + im * im).sqrt() + re.abs());
+    // Their product is (im / 2)²; 0 where both are.
+    let small = (0.25 * (im * im) / large).max(0.0);
+    let (a2, b2) = re.gt(0.0).select((large, small), (small, large));
+    let a = a2.sqrt();
+    let squares = |x: F32, y2: F32| x * x + y2;
+    let (lost, whole) = (squares(cos - a, b2), squares(cos + a, b2));
+    let s = lost / whole;
+    let p = s * (squares(a * cos - sin2, b2 * cos2) / squares(a * cos + sin2, b2 * cos2));
+    // At cos = 0 everything is reflected, also where no light bends.
+    (cos.gt(0.0) & whole.gt(0.0)).select(0.5 * (s + p), 1.0.into())
 }

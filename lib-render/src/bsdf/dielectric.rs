@@ -2,8 +2,10 @@
 //!
 //! - Parameters: glTF's index `ior` of the inside (where the normal does not point) relative to the outside; roughness, whose
 //!   square is GGX's width α, below 1e-3 a smooth interface; the base colour tints refracted light.
-//! - Reflects with the exact Fresnel factor, else refracts by Snell's law; total internal reflection always reflects. What is
-//!   refracted contains (eta_i/eta_t)², as radiance does. f, pdf, frame and sampling: see [`gltf`](crate::bsdf::gltf).
+//! - Reflects with the exact Fresnel factor for indices up to 2 + √3; beyond it that has a dip, and as in glTF's layer no angle
+//!   reflects less than normal incidence. What is not reflected refracts by Snell's law; total internal reflection always
+//!   reflects. What is refracted contains (eta_i/eta_t)², as radiance does. f, pdf, frame and sampling: see
+//!   [`gltf`](crate::bsdf::gltf).
 //! - With consistent normals, a direction on the wrong side of the surface has weight 0.
 //! - Source: Walter, Marschner, Li, Torrance 2007, section 5.2; Veach 1997, section 5.2 for the scale of radiance.
 

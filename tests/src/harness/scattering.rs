@@ -90,9 +90,10 @@ pub fn rows() -> Vec<Row> {
     rows.extend([1.0, 10.0, 100.0, 1e3, 1e4, 1e6, 2e6].map(phong));
     rows.extend([0.0, 0.3, 1.0].map(rough_diffuse));
     rows.extend([0.0, 0.05, 0.5].map(conductor));
+    rows.push(clear_metal(0.25));
     rows.extend([0.0, 0.25].map(dielectric));
     rows.extend([0.0, 0.05, 0.5].map(varnished));
-    rows.extend([1.5, 2.5].map(thin_glass));
+    rows.extend([1.0, 1.5, 2.5].map(thin_glass));
     rows.push(Row::new("mirror", |p| p.model("mirror", &[]).coloured()).returns(|_| 0.5));
     rows.extend([(0.3, 0.0), (0.3, 0.25), (1.0, 0.5)].map(blend));
     rows
@@ -277,6 +278,15 @@ fn conductor(alpha: f64) -> Row {
     });
     let f = |c: f64| 0.5 * fresnel_metal(c, 0.424, 2.472);
     row.returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), 1.0, f)[0])
+}
+
+/// A metal that absorbs nothing is glass that nothing enters.
+fn clear_metal(alpha: f64) -> Row {
+    let (roughness, alpha) = widths(alpha);
+    let index = INDEX as f32;
+    let numbers = [index, index, index, 0.0, 0.0, 0.0];
+    let row = Row::new(format!("clear metal {alpha:.3}"), move |p| p.model("conductor", &numbers).roughness(roughness));
+    row.returns(move |cos| microfacets(alpha, Masking::Separable, cos.abs(), INDEX, |c| fresnel(c, INDEX))[0])
 }
 
 /// As glass, by its own name.

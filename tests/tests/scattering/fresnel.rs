@@ -6,9 +6,10 @@ use jerboa_lib_render::bsdf::dielectric::refract;
 use jerboa_lib_render::bsdf::plastic::diffuse_transmittance;
 use jerboa_lib_render::core::fresnel::{fresnel_dielectric, fresnel_passed, refracted_cos};
 use jerboa_lib_render::core::vec::Vec3;
+use jerboa_lib_render::schema::Materials;
 
 use jerboa_tests::harness::bench::{Bench, Random, number};
-use jerboa_tests::harness::probe::{at_cos, dot};
+use jerboa_tests::harness::probe::{Probe, at_cos, dot};
 use jerboa_tests::harness::quadrature::gauss;
 use jerboa_tests::harness::scattering::{fresnel, fresnel_metal};
 
@@ -123,6 +124,58 @@ fn spot_values_are_met() {
         let (c, e) = (cos as f32, eta as f32);
         let (r, expected) = (f64::from(bench.run_floats("fresnel", &[c, e])[0]), fresnel(f64::from(c), f64::from(e)));
         assert!((r - expected).abs() <= allowed(cos, eta), "{eta} {cos}: {r}, not {expected}");
+    }
+}
+
+/// Metals of the list: of silver's index, and of iron's.
+#[test]
+fn spot_values_of_metals_are_met() {
+    let mut bench = bench();
+    let cosines = [1.0, 0.5, 0.1, 0.01, 1e-4];
+    let table = [
+        ((0.2, 3.0), [0.923_371_6, 0.918_411_1, 0.959_083, 0.995_468_7, 0.999_954_5]),
+        ((1.5, 7.0), [0.891_402_7, 0.872_570_9, 0.826_719_2, 0.970_182_8, 0.999_691_6]),
+    ];
+    for ((eta, k), row) in table {
+        for (cos, expected) in cosines.into_iter().zip(row) {
+            assert!((fresnel_metal(cos, eta, k) - expected).abs() < 1e-7, "{eta} {k} {cos}");
+            let r = f64::from(bench.run_floats("metal", &[cos as f32, eta as f32, k as f32])[0]);
+            assert!((r - expected).abs() <= 2e-6, "{eta} {k} {cos}: {r}, not {expected}");
+        }
+    }
+}
+
+/// The models, asked through the shader: what a smooth surface reflects, by the weight of its sample or by how often it does, is
+/// Fresnel's factor at that cosine.
+#[test]
+fn smooth_models_reflect_by_fresnels_factor() {
+    let mut probe = Probe::default();
+    for (eta, k) in [(0.2, 3.0), (1.5, 7.0), (1.5, 0.0), (0.01, 20.0), (20.0, 20.0), (1.0, 0.0)] {
+        probe.model("conductor", &[eta, eta, eta, k, k, k]).roughness(0.0);
+        for cos in [1.0, 0.5, 0.1, 0.01, -0.5] {
+            let s = probe.sample(at_cos(cos), 7);
+            let expected = fresnel_metal(cos.abs(), f64::from(eta), f64::from(k));
+            assert!(
+                s.is_specular && (f64::from(s.weight[1]) - expected).abs() < 2e-6,
+                "{eta} {k} {cos}: {s:?}, {expected}"
+            );
+        }
+    }
+    for (name, index) in
+        [("dielectric", 1.5), ("dielectric", 1.0), ("dielectric", 3.7), ("thin-glass", 1.5), ("thin-glass", 1.0)]
+    {
+        probe.model(name, &[]).roughness(0.0).number(Materials::IOR, index);
+        for cos in [1.0, 0.5, 0.1, 0.01, -0.9, -0.5] {
+            let thin = name == "thin-glass";
+            let eta = if cos > 0.0 || thin { f64::from(index) } else { 1.0 / f64::from(index) };
+            let r = fresnel(f64::abs(cos), eta);
+            let share = if thin { 2.0 * r / (1.0 + r) } else { r };
+            let n = 2000;
+            let reflected = (0..n).filter(|key| f64::from(probe.sample(at_cos(cos), *key).wi[2]) * cos > 0.0).count();
+            let found = reflected as f64 / f64::from(n);
+            let error = (share * (1.0 - share) / f64::from(n)).sqrt();
+            assert!((found - share).abs() <= 4.0 * error + 1e-9, "{name} {index} {cos}: {found}, not {share}");
+        }
     }
 }
 
