@@ -19,6 +19,7 @@
 //! - [`rays`]: closed shapes, ways to aim at them, trees; [`naive`], what they are measured against; and [`native`], the walk
 //!   by hand.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
+//! - [`subjects`]: scenes, tracers and devices that between them use everything.
 //! - [`warps`]: the table of warps of uniform numbers.
 
 pub mod analytic;
@@ -41,5 +42,6 @@ pub mod rays;
 pub mod stats;
 pub mod streams;
 pub mod points;
+pub mod subjects;
 pub mod sweep;
 pub mod warps;
