@@ -19,7 +19,7 @@ use jerboa_lib_render::host::replay::interpret;
 use jerboa_lib_render::host::tables::{Choices, Pass};
 use jerboa_scenes::{AlphaMode, Instance, Material, Mesh, Scene};
 use jerboa_tests::harness::analytic::{
-    Closed, Estimate, Look, SEED, bound, direct, enclosures, estimate, glowing_box, renderer,
+    Closed, Estimate, Look, SEED, bodies, bound, direct, enclosures, estimate, glowing_box, renderer, seen,
 };
 use jerboa_tests::harness::bench::number;
 
@@ -50,6 +50,18 @@ fn enclosures_have_their_radiance() {
     all_agree(&enclosures(), 1 << 12, 5e-3);
 }
 
+/// Each lobe, model and instance that keeps a known share of the light, in a uniform sky or in a room that glows.
+#[test]
+fn bodies_have_their_radiance() {
+    all_agree(&bodies(), 1 << 12, 5e-3);
+}
+
+/// Each camera.
+#[test]
+fn cameras_see_what_they_should() {
+    all_agree(&seen(), 1 << 12, 5e-3);
+}
+
 #[test]
 fn direct_light_has_its_closed_form() {
     all_agree(&direct(), 1 << 12, 2e-3);
@@ -65,7 +77,7 @@ fn roulette_changes_no_mean() {
         let mut scene = closed.scene.clone();
         scene.materials.iter_mut().for_each(|m| (m.metallic, m.roughness) = (0.5, 0.3));
         let mean = |rr_depth: Option<u32>, seed: u32| {
-            let choices = Choices { max_depth: closed.max_depth, rr_depth, ..Choices::default() };
+            let choices = Choices { rr_depth, ..closed.choices };
             estimate(&renderer(&scene, choices), &closed.looks[0].0, paths, seed)
         };
         let (with, without) = (mean(Some(1), SEED), mean(None, SEED + 1));
@@ -99,9 +111,8 @@ fn every_engine_sees_the_same() {
     let rooms = enclosures();
     // Albedo is a number and changes no program.
     let rooms = rooms.iter().filter(|c| c.name.ends_with("0.5"));
-    for closed in rooms.chain(&direct()) {
-        let choices = Choices { max_depth: closed.max_depth, ..Choices::default() };
-        let options = Options { choices, device: DeviceKind::CpuScalar, ..Options::default() };
+    for closed in rooms.chain(&direct()).chain(&bodies()).chain(&seen()) {
+        let options = Options { choices: closed.choices, device: DeviceKind::CpuScalar, ..Options::default() };
         let r = Renderer::new(&closed.scene, options).unwrap_or_else(|e| panic!("{}: {e}", closed.name));
         let look = &closed.looks[0].0;
         let window = Window { width: 1, height: 1, ..look.window };
@@ -141,7 +152,8 @@ fn roulette_costs_what_the_theory_says() {
 #[test]
 fn limited_depth_is_a_geometric_sum() {
     for depth in [1, 2, 3, 6] {
-        let closed = Closed { max_depth: Some(depth), ..glowing_box(0.5) };
+        let choices = Choices { max_depth: Some(depth), ..Choices::default() };
+        let closed = Closed { choices, ..glowing_box(0.5) };
         let found = estimate(&closed.renderer(), &closed.looks[0].0, paths(1 << 14), SEED);
         let truth = 1.0 - 0.5_f64.powi(depth as i32);
         assert_eq!(found.fault(truth, 0.0, bound(5e-3, paths(1 << 14))), None, "{depth} edges");

@@ -1,7 +1,7 @@
 //! Scenes whose radiance has a closed form, and how renders of them are judged.
 //!
-//! A [`Closed`] scene says where to look and what is to be seen there; [`enclosures`] and [`direct`] are the tables of
-//! them. [`estimate`] traces paths there, and [`Estimate::fault`] compares. Curved surfaces are made of triangles: how far
+//! A [`Closed`] scene says where to look and what is to be seen there; [`enclosures`], [`bodies`], [`seen`] and [`direct`] are
+//! the tables of them. [`estimate`] traces paths there, and [`Estimate::fault`] compares. Curved surfaces are made of triangles: how far
 //! that moves the truth is bounded for each scene (`facets`), from the mesh itself.
 //!
 //! *Closed enclosures.* Inside a closed surface of albedo ρ every point sees walls only. So if each wall point has direct
@@ -29,11 +29,15 @@ use jerboa_scenes::{Camera, Mesh, Scene};
 
 use super::stats::mean;
 
+mod bodies;
 mod direct;
 mod enclosures;
+mod seen;
 
+pub use bodies::bodies;
 pub use direct::{ALBEDO, direct, form_factor, maps, sky_irradiance};
 pub use enclosures::{enclosures, glowing_box};
+pub use seen::seen;
 
 /// Seed of the first render of each scene.
 pub const SEED: u32 = 20_260;
@@ -50,8 +54,8 @@ pub struct Closed {
     pub looks: Vec<(Look, f64)>,
     /// Bound on the relative error of the truth that comes from triangles in place of curved surfaces.
     pub facets: f64,
-    /// Most edges of a path.
-    pub max_depth: Option<u32>,
+    /// What the render asks for.
+    pub choices: Choices,
     /// Is it so close to a light with extent that light sampling alone has no usable variance?
     pub is_near: bool,
     /// How many times the usual number of paths it takes: where a sample's variance is large.
@@ -64,7 +68,7 @@ impl Closed {
     /// # Panics
     /// When there is none: a fault of Jerboa.
     pub fn renderer(&self) -> Renderer {
-        renderer(&self.scene, Choices { max_depth: self.max_depth, ..Choices::default() })
+        renderer(&self.scene, self.choices)
     }
 
     /// The same, with every emitter (not a light without a surface) shown as an unlit surface, which no light sampling
@@ -75,7 +79,7 @@ impl Closed {
             let [r, g, b] = m.emissive;
             (m.base_color, m.emissive, m.unlit) = ([r, g, b, 1.0], [0.0; 3], true);
         }
-        renderer(&scene, Choices { max_depth: self.max_depth, ..Choices::default() })
+        renderer(&scene, self.choices)
     }
 }
 

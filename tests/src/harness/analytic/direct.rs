@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::{DVec3, Vec3};
+use jerboa_lib_render::host::tables::Choices;
 use jerboa_scenes::{Camera, Environment, LightKind, Material, Mesh, Scene};
 
 use super::{Closed, Look, inradius, light, place, rectangle, sphere};
@@ -14,7 +15,7 @@ const ROUND: u32 = 5;
 
 /// A floor in the plane y = 0, lit directly by each kind of light.
 pub fn direct() -> Vec<Closed> {
-    let mut all = vec![four_square(), spot(), sun(), grazed()];
+    let mut all = vec![four_square(), spot(), sun_on(8.0), grazed()];
     all.extend(
         [20.0, 2.0, 1.0, 0.5, 0.3, 0.1, 0.05, 0.01, 1e-3].map(|h| lamp(&format!("at height {h}"), above(h), false)),
     );
@@ -48,7 +49,15 @@ fn floor(side: f32, albedo: f32) -> Scene {
 }
 
 fn closed(name: String, scene: Scene, looks: Vec<(Look, f64)>) -> Closed {
-    Closed { name, scene, looks, facets: 0.0, max_depth: Some(2), is_near: false, effort: 1 }
+    Closed {
+        name,
+        scene,
+        looks,
+        facets: 0.0,
+        choices: Choices { max_depth: Some(2), ..Choices::default() },
+        is_near: false,
+        effort: 1,
+    }
 }
 
 /// The origin alone, from the side: a hundredth of the distance across.
@@ -59,7 +68,7 @@ fn origin(eye: DVec3) -> Look {
 /// All of a floor of 2 x 2 and albedo 1 under a point light of 1 W at height 2, as in the tests of Ignis (Rodent's
 /// successor): the mean of cos / d² is the solid angle of the floor, 4 atan(1 / √24), by its area; times 1 / 4π for the light
 /// and 1 / π for the floor that is 0.005100456.
-fn four_square() -> Closed {
+pub(super) fn four_square() -> Closed {
     let mut scene = floor(2.0, 1.0);
     scene.lights = vec![light(LightKind::Point, 0.25 * FRAC_1_PI as f32, 2.0)];
     let look = Look::whole(Camera::look_at("above", DVec3::Y * 3.0, DVec3::ZERO, 2.0 * (1.0_f64 / 3.0).atan()));
@@ -99,9 +108,9 @@ fn grazed() -> Closed {
     Closed { facets: 0.2, ..closed("a point light a millionth away".into(), scene, looks) }
 }
 
-/// One lux at 30 degrees from the zenith.
-fn sun() -> Closed {
-    let mut scene = floor(8.0, ALBEDO);
+/// One lux at 30 degrees from the zenith on a floor of this side.
+pub(super) fn sun_on(side: f32) -> Closed {
+    let mut scene = floor(side, ALBEDO);
     let slant = glam::DAffine3::from_rotation_x(-60_f64.to_radians());
     scene.lights = vec![jerboa_scenes::Light { to_world: slant, ..light(LightKind::Directional, 1.0, 0.0) }];
     let truth = 60_f64.to_radians().sin() * f64::from(ALBEDO) * FRAC_1_PI;

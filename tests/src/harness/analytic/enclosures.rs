@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use jerboa_lib_render::host::tables::Choices;
 use jerboa_scenes::{Camera, Environment, LightKind, Material, Mesh, Scene};
 
 use super::{Closed, Look, inradius, inside_out, light, place, sphere};
@@ -56,7 +57,7 @@ fn glowing(wall: Mesh, albedo: f32) -> Scene {
 }
 
 /// A camera near the middle, one close to the wall that looks along it, and a narrow one in a corner.
-fn inside(name: &str, albedo: f32, scene: Scene, facets: f64) -> Closed {
+pub(super) fn inside(name: &str, albedo: f32, scene: Scene, facets: f64) -> Closed {
     let views = [
         (DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.0, 0.0, -1.0), 1.2),
         (DVec3::new(0.02, 0.01, 0.97), DVec3::new(0.0, 1.0, 0.9), 2.5),
@@ -68,14 +69,14 @@ fn inside(name: &str, albedo: f32, scene: Scene, facets: f64) -> Closed {
         scene,
         looks: looks.into(),
         facets,
-        max_depth: None,
+        choices: Choices::default(),
         is_near: false,
         effort: 1,
     }
 }
 
 /// Three cameras that see the body and nothing else.
-fn outside(name: &str, albedo: f32, scene: Scene) -> Closed {
+pub(super) fn outside(name: &str, albedo: f32, scene: Scene) -> Closed {
     let looks = [DVec3::new(0.0, 0.1, 4.0), DVec3::new(2.0, 3.0, -2.0), DVec3::new(0.1, -3.5, 0.1)].map(|eye| {
         let camera = Camera::look_at("outside", eye, DVec3::ZERO, 0.2);
         (Look::whole(camera), f64::from(albedo))
@@ -85,19 +86,19 @@ fn outside(name: &str, albedo: f32, scene: Scene) -> Closed {
         scene,
         looks: looks.into(),
         facets: 0.0,
-        max_depth: None,
+        choices: Choices::default(),
         is_near: false,
         effort: 1,
     }
 }
 
 /// Radiance 1 from everywhere, by a map of 8 x 4.
-fn uniform_sky() -> Environment {
+pub(super) fn uniform_sky() -> Environment {
     Environment { width: 8, height: 4, radiance: vec![[1.0; 3]; 32], intensity: 1.0, rotation_deg: 0.0 }
 }
 
 /// The box from -1 to 1, front outside. Corners are shared, so that it is watertight to the bit.
-fn cube() -> Mesh {
+pub(super) fn cube() -> Mesh {
     use glam::vec3;
     let positions = (0..8).map(|i| vec3(i as f32, (i >> 1) as f32, (i >> 2) as f32) % 2.0 * 2.0 - 1.0);
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
