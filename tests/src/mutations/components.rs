@@ -1,80 +1,8 @@
-//! Mistakes of a renderer: in scattering, lights, the walk of a path, geometry and random numbers.
+//! Mistakes of a renderer: in lights, the walk of a path, geometry and random numbers.
 
 use super::Mutation;
 
 pub(super) const MUTATIONS: &[Mutation] = &[
-    // ---- BSDFs
-    Mutation {
-        name: "cosine-dropped",
-        file: "lib-render/src/bsdf/gltf/view.rs",
-        before: "BsdfSample::scattered(wi, f * shading_cos(self.surf, wi), pdf)",
-        after: "BsdfSample::scattered(wi, f, pdf)",
-        mistake: "the weight of a sample lacks the cosine",
-    },
-    Mutation {
-        name: "pdf-doubled",
-        file: "lib-render/src/core/sampling.rs",
-        before: "cos.max(0.0) * FRAC_1_PI",
-        after: "cos.max(0.0) * (2.0 * FRAC_1_PI)",
-        mistake: "the density of cosine-weighted directions is twice what is sampled",
-    },
-    Mutation {
-        name: "schlick-for-dielectrics",
-        file: "lib-render/src/core/fresnel.rs",
-        before: "0.5 * (a * a) * (1.0 + b * b)",
-        after: "{ let (f0, m) = (fresnel_normal(eta), 1.0 - c); f0 + (1.0 - f0) * (m * m * m * m * m) }",
-        mistake: "Schlick's approximation stands for the exact Fresnel factor (most glTF viewers)",
-    },
-    Mutation {
-        name: "smith-is-height-correlated",
-        file: "lib-render/src/bsdf/rough.rs",
-        before: "Facet { cos: length * 0.5, f: d * (o * i), pdf: d * o }",
-        after: "{ let [go, gi] = [self.wo.z * o, wi.z * i]; \
-                Facet { cos: length * 0.5, f: d * (o * i) / (go + gi - go * gi), pdf: d * o } }",
-        mistake: "height-correlated instead of separable Smith masking, which glTF's text asks for",
-    },
-    Mutation {
-        name: "normals-not-the-visible-ones",
-        file: "lib-render/src/core/microfacet.rs",
-        before: "(1.0 - u.y) * (1.0 + i.z) - i.z",
-        after: "1.0 - u.y",
-        mistake: "microfacet normals are drawn from the upper hemisphere instead of the visible cap",
-    },
-    Mutation {
-        name: "eta-inverted",
-        file: "lib-render/src/bsdf/dielectric.rs",
-        before: "self.outside.select(ior, inverse)",
-        after: "self.outside.select(inverse, ior)",
-        mistake: "inside and outside of glass are exchanged",
-    },
-    Mutation {
-        name: "refraction-without-radiance-scale",
-        file: "lib-render/src/bsdf/dielectric.rs",
-        before: "weight * radiance_scale",
-        after: "weight",
-        mistake: "refracted radiance is not scaled by the squared ratio of indices (Veach 1997, 5.2)",
-    },
-    Mutation {
-        name: "delta-has-density-one",
-        file: "lib-render/src/bsdf/mod.rs",
-        before: "PdfFn::lam(|_, _| F32::from(0.0))",
-        after: "PdfFn::lam(|_, _| F32::from(1.0))",
-        mistake: "the density of a mirror is 1, also within a mix (Rodent's mix of black and mirror: .38 for .5)",
-    },
-    Mutation {
-        name: "coat-weighed-once",
-        file: "lib-render/src/bsdf/coat.rs",
-        before: "self.passes_once(self.wo, self.side.outside) * self.passes_once(wi, outside)",
-        after: "self.passes_once(self.wo, self.side.outside)",
-        mistake: "a coat weighs what is under it by the viewer's angle alone, as the extension's text does: not reciprocal",
-    },
-    Mutation {
-        name: "sheen-takes-nothing",
-        file: "lib-render/src/bsdf/sheen.rs",
-        before: "1.0 - most * albedo(wi).max(albedo(wo))",
-        after: "1.0.into()",
-        mistake: "a sheen is added to what is under it: more light returns than came",
-    },
     // ---- lights and multiple importance sampling
     Mutation {
         name: "area-density-as-direction-density",
@@ -132,6 +60,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "light",
         mistake: "light that a vertex asks for is not absorbed on its way there",
     },
+    Mutation {
+        name: "tree-walked-back-by-the-wrong-turns",
+        file: "lib-render/src/light/tree.rs",
+        before: "((trail >> level) & 1u32).eq(0u32)",
+        after: "((trail >> level) & 1u32).ne(0u32)",
+        mistake: "the probability of a light that a ray has hit is that of another leaf",
+    },
+    Mutation {
+        name: "tree-forgets-the-size-of-a-node",
+        file: "lib-render/src/light/tree.rs",
+        before: "angle.less(cone).less(ball).cos",
+        after: "angle.less(cone).cos",
+        mistake: "the bound of a node's light holds for its middle alone: lights that shine sideways are never drawn",
+    },
     // ---- light that comes from the lights
     Mutation {
         name: "light-scatters-about-the-shading-normal",
@@ -153,6 +95,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         before: "self.next + self.past.absorb(back)",
         after: "self.next + self.past",
         mistake: "weights forget the density of the step backwards: they sum to something else than 1",
+    },
+    Mutation {
+        name: "lights-and-camera-share-numbers",
+        file: "lib-render/src/tracer/light.rs",
+        before: "frame.get(Frame::SEED) ^ LIGHT_STREAM",
+        after: "frame.get(Frame::SEED)",
+        mistake: "the path from a light has the random numbers of the path from the camera that it is connected with",
+    },
+    Mutation {
+        name: "occlusion-looks-to-the-end-of-the-world",
+        file: "lib-render/src/tracer/occlusion.rs",
+        before: "Ray { tmax, ..spawn_ray(surf, dir) }",
+        after: "spawn_ray(surf, dir)",
+        mistake: "ambient occlusion ignores how far it shall look",
     },
     // ---- rays
     Mutation {
@@ -203,6 +159,55 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         before: "i.to_f32() + x",
         after: "i.to_f32() + x + 0.5",
         mistake: "pixel centres where their corners are",
+    },
+    Mutation {
+        name: "instances-without-rounding",
+        file: "lib-render/src/geometry/place.rs",
+        before: "there * self.run.get(Instances::ROUNDING) + here * self.run.get(Instances::ROUNDING_AT)",
+        after: "F32::from(0.0)",
+        mistake: "rays leave an instance as if its transform rounded nothing: they meet the surface they leave",
+    },
+    Mutation {
+        name: "instance-normals-as-positions",
+        file: "lib-render/src/geometry/place.rs",
+        before: "self.unit(NORMALS_TO_WORLD, n)",
+        after: "self.unit(TO_WORLD, n)",
+        mistake: "normals of an instance that shares triangles go by the matrix of positions",
+    },
+    Mutation {
+        name: "instances-share-their-numbers",
+        file: "lib-render/src/traverse/instance.rs",
+        before: "here + Vector::splat(first_number(b, memory))",
+        after: "here",
+        mistake: "triangles of an instance have the numbers of the mesh: ties and holes are another triangle's",
+    },
+    Mutation {
+        name: "lens-without-focus",
+        file: "lib-render/src/camera.rs",
+        before: "(sharp - lens).normalize()",
+        after: "sharp.normalize()",
+        mistake: "a thin lens sends parallel rays: in focus nowhere but far away",
+    },
+    Mutation {
+        name: "fisheye-leans-by-the-angle",
+        file: "lib-render/src/camera.rs",
+        before: "length.gt(0.0).select(sin / length, 1.0.into())",
+        after: "F32::from(1.0)",
+        mistake: "a fisheye's direction leans by the angle in place of its sine",
+    },
+    Mutation {
+        name: "first-vertex-paints-the-triangle",
+        file: "lib-render/src/geometry/triangle.rs",
+        before: "self.blend(self.corners([Colors::R, Colors::G, Colors::B]))",
+        after: "self.corners([Colors::R, Colors::G, Colors::B])[0]",
+        mistake: "colours of vertices are not interpolated",
+    },
+    Mutation {
+        name: "vertices-have-no-alpha",
+        file: "lib-render/src/cutout.rs",
+        before: "alpha(b, row, uv) * vertices",
+        after: "alpha(b, row, uv)",
+        mistake: "holes do not ask for the alpha of vertices",
     },
     // ---- paths and random numbers
     Mutation {

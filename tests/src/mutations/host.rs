@@ -40,6 +40,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "textures.row(m.metallic_roughness_texture.as_ref(), Encoding::Srgb)",
         mistake: "a texture of data is decoded as a colour",
     },
+    Mutation {
+        name: "numbers-of-a-model-one-too-far",
+        file: "lib-render/src/host/tables/models.rs",
+        before: "self.0.len() - run.len()",
+        after: "self.0.len() - run.len() + 1",
+        mistake: "a model reads its numbers from the second on",
+    },
     // ---- loader
     Mutation {
         name: "stride-ignored",
@@ -54,6 +61,27 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         before: "i as usize >= vertices",
         after: "i as usize > vertices",
         mistake: "index = number of vertices passes (gltf 1.4.1 accepts any)",
+    },
+    Mutation {
+        name: "obj-counts-back-from-the-end",
+        file: "scenes/src/obj/mod.rs",
+        before: "(count as i64).saturating_add(given)",
+        after: "(count as i64).saturating_add(given) - 1",
+        mistake: "negative indices of a face count from one before the last vertex",
+    },
+    Mutation {
+        name: "obj-images-upside-down",
+        file: "scenes/src/obj/mod.rs",
+        before: "1.0 - v",
+        after: "v",
+        mistake: "v of an OBJ file, which grows upwards, is taken for glTF's",
+    },
+    Mutation {
+        name: "sun-by-the-whole-texel",
+        file: "scenes/src/sky.rs",
+        before: "l * share * scale",
+        after: "l * scale",
+        mistake: "each texel that the sun's disk touches is as bright as the disk",
     },
     // ---- devices
     Mutation {

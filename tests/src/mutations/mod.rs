@@ -11,6 +11,7 @@
 mod components;
 mod host;
 mod machinery;
+mod scattering;
 
 /// The environment variable that names the mutation that is switched on.
 pub const SWITCH: &str = "JERBOA_MUTANT";
@@ -40,7 +41,7 @@ impl Mutation {
     /// The targets whose tests look at this file most closely, if they are not those of its own crate: what stages is tested
     /// through machine code.
     pub fn closest(&self) -> &'static [&'static str] {
-        let is_component = components::MUTATIONS.iter().any(|m| m.name == self.name);
+        let is_component = components().any(|m| m.name == self.name);
         if is_component { &["tests/components", "tests/scattering"] } else { &[] }
     }
 
@@ -62,5 +63,10 @@ impl Mutation {
 
 /// Every mutation: `ir`, `peval` and the back end, then components, then host modules and the loader.
 pub fn all() -> impl Iterator<Item = &'static Mutation> {
-    [machinery::MUTATIONS, components::MUTATIONS, host::MUTATIONS].into_iter().flatten()
+    machinery::MUTATIONS.iter().chain(components()).chain(host::MUTATIONS)
+}
+
+/// Those of what stages.
+fn components() -> impl Iterator<Item = &'static Mutation> {
+    scattering::MUTATIONS.iter().chain(components::MUTATIONS)
 }
