@@ -12,6 +12,7 @@ use jerboa_lib_render::geometry::{SurfaceElement, make_geometry};
 use jerboa_lib_render::host::bvh::Triangle;
 use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::Window;
+use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::tables::{Choices, Known, Pass, Tables};
 use jerboa_lib_render::ray::{Hit, Ray};
@@ -333,6 +334,56 @@ fn exact_instances_look_as_if_laid_out_in_the_world() {
     for device in DeviceKind::CPU {
         for known in [Known::Structure, Known::All] {
             assert!(image(device, known, shared()) == expected, "{device:?}, {known:?}");
+        }
+    }
+}
+
+/// Triangles of two meshes in the same place, one with holes and the other whole, each in a tree of its own: where there is a hole the
+/// other is seen, elsewhere the smaller number, as if all were laid out in the world.
+#[test]
+fn what_lies_in_a_hole_is_seen_from_another_tree() {
+    let mut random = Random::new(0x5eed_2008);
+    let heap = heap(&mut random, 60);
+    let places: Vec<DAffine3> = octants().into_iter().map(|m| affine(m, [0.0; 3])).collect();
+    let holed = |alpha_mode: AlphaMode, alpha: f32| {
+        let red = Material { double_sided: true, alpha_mode, ..Material::diffuse("holed", [0.9, 0.1, 0.1]) };
+        Material { base_color: [0.9, 0.1, 0.1, alpha], ..red }
+    };
+    let of = |order: [usize; 2], holed: Material| {
+        let mut scene = scene(mesh(&heap, 0), &[]);
+        scene.meshes.push(Mesh { material: 1, ..scene.meshes[0].clone() });
+        scene.materials.push(holed);
+        let instance = |mesh| places.iter().map(move |to_world| Instance { mesh, to_world: *to_world });
+        scene.instances = order.into_iter().flat_map(instance).collect();
+        let (width, height, radiance) = (2, 1, vec![[1.0; 3]; 2]);
+        scene.environment = Some(Environment { width, height, radiance, intensity: 1.0, rotation_deg: 0.0 });
+        scene
+    };
+    let image = |scene: &Scene, tracer, device, choices| {
+        samples(scene, Options { device, choices, tracer, ..Options::default() })
+    };
+    let opaque = holed(AlphaMode::Opaque, 1.0);
+    for (mode, alpha) in [(AlphaMode::Mask(0.5), 0.4), (AlphaMode::Mask(0.5), 0.6), (AlphaMode::Blend, 0.5)] {
+        for order in [[0, 1], [1, 0]] {
+            let scene = of(order, holed(mode, alpha));
+            let what = format!("{mode:?} of {alpha}, {order:?}");
+            let expected = image(&scene, TracerKind::Path, DeviceKind::CpuScalar, flat());
+            for (device, choices) in
+                DeviceKind::CPU.map(|device| (device, shared())).into_iter().chain([(DeviceKind::Cpu, flat())])
+            {
+                assert!(
+                    image(&scene, TracerKind::Path, device, choices) == expected,
+                    "{what}, {device:?}, {choices:?}"
+                );
+            }
+            // Where nothing is cut, or all of it, it is the picture of one mesh.
+            let shown = |scene: &Scene| image(scene, TracerKind::Albedo, DeviceKind::Cpu, shared());
+            let (found, first) = (shown(&scene), shown(&of(order, opaque.clone())));
+            match (mode, alpha > 0.5, order) {
+                (AlphaMode::Mask(_), false, _) => assert!(found == shown(&of([0, 0], opaque.clone())), "{what}"),
+                (AlphaMode::Mask(_), true, _) | (_, _, [0, 1]) => assert!(found == first, "{what}"),
+                _ => assert!(found != first, "{what}: some of it is cut"),
+            }
         }
     }
 }

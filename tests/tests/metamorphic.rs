@@ -3,8 +3,11 @@
 //! `JERBOA_SCENES=all cargo test --release -p jerboa-tests --test metamorphic` takes nine scenes instead of one, and four
 //! times the samples.
 
-use jerboa_scenes::Scene;
-use jerboa_tests::harness::metamorphic::{CHANGES, Renders, brighter, medley, scaled, words};
+use jerboa_lib_render::host::tables::Choices;
+use jerboa_scenes::{Lens, Scene};
+use jerboa_tests::harness::metamorphic::{
+    CHANGES, Renders, brighter, dyadic, medley, scaled, translated, words, words_by,
+};
 use jerboa_tests::harness::stats::{FAMILY, sidak};
 
 /// Built-in scenes of the long form: each kind of light, glass, textures, many lights.
@@ -51,6 +54,29 @@ fn light_scales_the_image_to_the_bit() {
             let times = |w: &u32| (f32::from_bits(*w) * 2.0_f32.powi(*k)).to_bits();
             assert!(found[..colours].iter().eq(expected[..colours].iter().map(times).collect::<Vec<_>>().iter()));
             assert!(found[colours..] == expected[colours..], "{} by 2^{k}: the rays", scene.name);
+        }
+    }
+}
+
+/// A scene whose middle is zero has the same bits wherever it stands, if its numbers have few enough digits to be moved exactly: by
+/// the origin that is subtracted from instances and their boxes, the lights of a tree, and cameras of every kind (T15).
+#[test]
+fn no_bit_tells_where_a_scene_stands() {
+    let choices = Choices { most_copies: 0, ..Choices::default() };
+    let lenses = [
+        Lens::Pinhole { yfov: 0.75 },
+        Lens::Thin { yfov: 0.75, aperture: 0.25, focus: 2.0 },
+        Lens::Orthographic { ymag: 1.5 },
+        Lens::Fisheye { angle: 2.0 },
+    ];
+    for (number, lens) in lenses.into_iter().enumerate() {
+        let mut scene = dyadic();
+        scene.cameras[0].lens = lens;
+        let here = words_by(&scene, choices, 24, 2);
+        assert!(here.iter().filter(|w| **w != 0).count() > 1000, "{lens:?}: something is seen");
+        // From so far on the scene's middle is subtracted.
+        for by in [1024.0, 1_048_576.0].into_iter().skip(usize::from(number > 0)) {
+            assert!(words_by(&translated(&scene, by), choices, 24, 2) == here, "{lens:?}, moved by {by}");
         }
     }
 }

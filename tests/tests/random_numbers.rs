@@ -9,6 +9,7 @@
 
 use jerboa_ir::lang::U32;
 use jerboa_lib_render::core::rng::{hash, uniform};
+use jerboa_lib_render::tracer::light::LIGHT_STREAM;
 use jerboa_tests::harness::bench::number;
 use jerboa_tests::harness::streams::{Battery, Streams, Walk, joint, judge, repeated, twins};
 use jerboa_tests::harness::sweep::Sweep;
@@ -34,6 +35,22 @@ fn streams_are_distinct() {
     let found = repeated(&one_word(), pixels, samples) as f64 / f64::from(samples);
     println!("keys of one word: {found} blocks of samples repeat, expected {blocks}");
     assert!((found - blocks).abs() < 4.0 * blocks.sqrt(), "{found} repeated blocks, not {blocks}");
+}
+
+/// No path from a light shares its stream with a path from the camera, of whatever pixel and sample.
+#[test]
+fn paths_from_lights_have_streams_of_their_own() {
+    let streams = Streams::default();
+    let (pixels, samples) = (1 << 14, (numbers() >> 14).clamp(16, 1024) as u32);
+    let both =
+        |sample: u32| [0, LIGHT_STREAM].map(|seed| Walk { seed, sample, pixels: 1, log2_dims: 1, ..Walk::default() });
+    let words = |walk| streams.words(walk, 2 * pixels);
+    let mut seen = std::collections::HashSet::new();
+    let mut repeated = 0;
+    for walk in (0..samples).flat_map(both) {
+        repeated += words(walk).chunks(2).filter(|pair| !seen.insert([pair[0], pair[1]])).count();
+    }
+    assert_eq!(repeated, 0, "{pixels} pixels of {samples} samples");
 }
 
 /// A stream of even step is at its start again after 2^31 numbers, or after 2^30, 2^29, … of them.
@@ -76,6 +93,7 @@ fn neighbours_are_independent() {
             ("samples", Walk { sample: 1, ..base }),
             ("dimensions", Walk { dim: dim + 1, ..base }),
             ("seeds", Walk { seed: 1, ..base }),
+            ("paths from lights", Walk { seed: LIGHT_STREAM, ..base }),
         ];
         for (name, walk) in neighbours {
             let (p, z) = joint(&here, &collect(walk));

@@ -30,7 +30,7 @@ use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer}
 
 /// Sets the numbers of paths from lights apart from those of paths from the camera under the same seed: the first bits of
 /// the fraction of √2.
-const LIGHT_STREAM: u32 = 0x6a09_e667;
+pub const LIGHT_STREAM: u32 = 0x6a09_e667;
 
 /// The light tracer.
 pub fn make_light_tracer() -> Tracer<RayState, Splat> {

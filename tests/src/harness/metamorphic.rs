@@ -3,14 +3,15 @@
 //! A row of [`CHANGES`] adds a change to the test of every scene. The two changes that keep all bits are functions of an
 //! exponent, [`scaled`] and [`brighter`].
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 use jerboa_lib_render::host::film::Window;
 use jerboa_lib_render::host::image_io::luminance;
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::student::two_sided_quantile;
-use jerboa_lib_render::host::tables::Pass;
+use jerboa_lib_render::host::tables::{Choices, Pass};
 use jerboa_scenes::*;
 
+use super::analytic::{place, rectangle};
 use super::stats::{mean, sidak};
 
 /// The scene, 2^k times as large, with lights that make it look the same: power per area is kept.
@@ -63,7 +64,8 @@ pub const CHANGES: [Change; 6] = [
     Change { name: "moved by 1e6", make: |scene| Some(translated(scene, 1e6)) },
 ];
 
-fn translated(scene: &Scene, by: f64) -> Scene {
+/// The scene moved by so much along each axis.
+pub fn translated(scene: &Scene, by: f64) -> Scene {
     let mut scene = scene.clone();
     moved(&mut scene, DAffine3::from_translation(DVec3::splat(by)));
     scene
@@ -180,9 +182,53 @@ fn image(texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
     Image { name: "image".into(), width: 8, height: 8, rgba }
 }
 
+/// A room around zero whose numbers are all multiples of 1/64: instances of a pyramid, turned and mirrored, enough lamps and points
+/// of light for a tree, a spot and a sun.
+pub fn dyadic() -> Scene {
+    let mut scene = Scene { name: "dyadic".into(), ..Scene::default() };
+    let room = rectangle(Vec3::new(-2.0, -2.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
+    place(&mut scene, room, Material::diffuse("floor", [0.75, 0.5, 0.25]), 1.0, DVec3::ZERO);
+    let wall = rectangle(Vec3::new(-2.0, -2.0, -2.0), Vec3::X * 4.0, Vec3::Y * 4.0);
+    place(&mut scene, wall, Material::plastic("wall", [0.25, 0.5, 0.75], 0.5), 1.0, DVec3::ZERO);
+    let lamp = rectangle(Vec3::new(-0.5, 2.0, -0.5), Vec3::X, Vec3::Z);
+    place(&mut scene, lamp, Material::emitter("lamp", [4.0; 3]), 1.0, DVec3::ZERO);
+    // It reaches as far to the front as the room does to the back, and so the middle is zero.
+    let corners = [[0.0, 0.5, 0.0], [-0.5, -0.25, -0.5], [0.5, -0.25, -0.5], [0.0, -0.25, 0.5]].map(Vec3::from);
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    let pyramid = Mesh { positions: corners.to_vec(), triangles, ..Mesh::default() };
+    place(&mut scene, pyramid, Material::metal("pyramid", [0.75; 3], 0.5), 1.0, DVec3::new(0.0, -1.0, 1.5));
+    let mesh = scene.meshes.len() - 1;
+    for (at, axes) in [
+        (DVec3::new(-1.0, 0.5, -1.0), DMat3::from_cols(DVec3::Z, DVec3::Y, -DVec3::X)),
+        (DVec3::new(1.0, 0.25, -0.5), DMat3::from_cols(-DVec3::X, DVec3::Y, DVec3::Z)),
+        (DVec3::new(0.5, -1.5, 0.0), DMat3::from_diagonal(DVec3::new(0.5, 1.0, 2.0) * 0.5)),
+    ] {
+        let to_world = DAffine3 { matrix3: axes, translation: at };
+        scene.instances.push(Instance { mesh, to_world });
+    }
+    let down = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
+    let spot = LightKind::Spot { inner: 0.25, outer: 0.5 };
+    let kinds = [spot, LightKind::Directional].into_iter().chain([LightKind::Point; 20]);
+    for (i, kind) in kinds.enumerate() {
+        let at = DVec3::new((i % 5) as f64 * 0.75 - 1.5, 1.5, (i / 5) as f64 * 0.5 - 1.0);
+        let to_world = DAffine3 { matrix3: down, translation: at };
+        scene.lights.push(Light { name: "light".into(), kind, intensity: [0.25; 3], to_world });
+    }
+    let to_world = DAffine3::from_translation(DVec3::new(0.25, -0.25, 1.75));
+    let lens = Lens::Pinhole { yfov: 0.75 };
+    scene.cameras = vec![Camera { name: "camera".into(), to_world, lens, aspect: None, film: None }];
+    scene
+}
+
 /// The words of all samples of a small film.
 pub fn words(scene: &Scene, side: u32, samples: u32) -> Vec<u32> {
-    let renderer = Renderer::new(scene, Options::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    words_by(scene, Choices::default(), side, samples)
+}
+
+/// Those of a render that asks for this.
+pub fn words_by(scene: &Scene, choices: Choices, side: u32, samples: u32) -> Vec<u32> {
+    let options = Options { choices, ..Options::default() };
+    let renderer = Renderer::new(scene, options).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
     render(&renderer, &scene.camera_or_default(), side, samples, 0)
 }
 
