@@ -349,7 +349,10 @@ const SOURCES: &[Code] = &[
     Code { file: "image.rs", used: |s| has_images(&s.scene) },
     Code { file: "texture.rs", used: |s| has_textures(&s.scene) },
     Code { file: "light/area.rs", used: |s| any(&s.scene, Material::is_emissive) },
-    Code { file: "light/directional.rs", used: |s| has_light(s, |kind| kind == LightKind::Directional) },
+    Code {
+        file: "light/directional.rs",
+        used: |s| has_light(s, |kind| matches!(kind, LightKind::Directional | LightKind::Sun { .. })),
+    },
     Code { file: "light/point.rs", used: |s| has_light(s, |kind| kind != LightKind::Directional) },
     Code {
         file: "light/spot.rs",

@@ -92,7 +92,7 @@ fn errors_of_direct_light_fall_faster() {
         (ONE_SEQUENCE, 4, 256, [-9.0, -1.2]),
         (SamplerKind::SOBOL, 32, 1024, [-9.0, -1.2]),
     ] {
-        let choices = Choices { max_depth: closed.max_depth, sampler, ..Choices::default() };
+        let choices = Choices { sampler, ..closed.choices };
         let r = renderer(&closed.scene, Options { choices, ..Options::default() });
         let sizes: Vec<u32> = (0..).map(|k| first << (2 * k)).take_while(|spp| *spp <= last).collect();
         let points: Vec<[f64; 2]> = sizes.iter().map(|n| [f64::from(*n).ln(), variance(&r, *n).ln()]).collect();
