@@ -110,7 +110,7 @@ fn the_spread_of_eight_sequences_tells_the_variance() {
     let renders = number("JERBOA_RENDERS", 256) as u32;
     let closed = direct().into_iter().find(|c| c.name == "lamp at height 1").expect("a row of the table");
     let (look, _) = &closed.looks[0];
-    let choices = Choices { max_depth: closed.max_depth, sampler: SamplerKind::SOBOL, ..Choices::default() };
+    let choices = Choices { sampler: SamplerKind::SOBOL, ..closed.choices };
     let r = renderer(&closed.scene, Options { choices, ..Options::default() });
     let window = Window { width: 1, height: 1, ..look.window };
     let (mut all, mut told, mut by_samples) = (vec![], 0.0, 0.0);
