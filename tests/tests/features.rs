@@ -336,7 +336,6 @@ const SOURCES: &[Code] = &[
     Code { file: "bsdf/coat.rs", used: |s| any(&s.scene, |m| m.clearcoat.is_some()) },
     Code { file: "bsdf/sheen.rs", used: |s| any(&s.scene, |m| m.sheen.is_some()) },
     Code { file: "bsdf/layer.rs", used: |s| any(&s.scene, |m| m.sheen.is_some() || m.clearcoat.is_some()) },
-    Code { file: "lobes.rs", used: |s| any(&s.scene, has_lobes) },
     Code { file: "core/thin_film.rs", used: |s| any(&s.scene, |m| m.iridescence.is_some()) },
     Code { file: "bsdf/gloss.rs", used: |s| has_model(s, "plastic") || has_model(s, "conductor") },
     Code { file: "bsdf/mix.rs", used: |s| has_model(s, "blend") || has_model(s, "phong") },
@@ -394,7 +393,7 @@ const SOURCES: &[Code] = &[
 const COMMON: &str = "bsdf/diffuse.rs bsdf/frame.rs bsdf/gltf/values.rs bsdf/gltf/view.rs bsdf/mod.rs camera.rs \
     core/color.rs core/math/exp.rs core/math/mod.rs core/math/trig.rs core/onb.rs core/rng.rs \
     core/sampling.rs core/sobol.rs core/vec.rs device/cpu.rs geometry.rs geometry/offset.rs \
-    geometry/plane.rs geometry/triangle.rs material.rs ray.rs sampler.rs tracer/mod.rs traverse/bvh.rs \
+    geometry/plane.rs geometry/triangle.rs lobes.rs material.rs ray.rs sampler.rs tracer/mod.rs traverse/bvh.rs \
     traverse/lanes.rs traverse/line.rs traverse/memory.rs traverse/stack.rs traverse/triangle.rs \
     traverse/turns.rs traverse/walk.rs";
 
