@@ -305,14 +305,11 @@ pub fn lights() -> Vec<Lit> {
         lamp("one-sided lamp, from behind", above(0.5), false, [0.1, 1.0, 0.2]),
         lamp("lamp, from its plane", above(0.5), false, [1.1, 0.5, 0.2]),
     ];
-    // Each way in which two triangles can begin at a corner of a quad.
-    for (turn, turn1) in [(0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 2)] {
-        let mut quad = lamp("quad", above(0.5), true, [0.1, 0.0, 0.2]);
-        let [t, s] = &mut quad.scene.meshes[0].triangles[..] else { unreachable!("a quad has two halves") };
-        t.rotate_left(turn);
-        s.rotate_left(turn1);
-        let quad = textured(&quad);
-        all.push(Lit { name: format!("{}, its halves turned by {turn} and {turn1}", quad.name), ..quad });
+    // Triangles begin opposite their longest side: the diagonal, or one edge or the other of a quad cut along the shorter one.
+    let edges = [("diagonal", x, z), ("first edge", x, [-0.6, 0.0, 0.7]), ("second edge", [0.7, 0.0, -0.6], z)];
+    for (longest, u, v) in edges {
+        let quad = lamp(&format!("quad, its {longest} longest"), [[-0.2, 0.5, -0.3], u, v], true, [0.1, 0.0, 0.2]);
+        all.push(textured(&quad));
     }
     let mut coated = lamp("coated lamp", above(0.3), false, [0.9, 0.0, 0.2]);
     coated.scene.materials[0].clearcoat = Some(Clearcoat::new(0.8, 0.0));
