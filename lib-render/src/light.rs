@@ -9,6 +9,7 @@ use crate::core::color::{Color, color};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec2, Vec3, vec3};
 use crate::light::area::{Shape, by_solid_angle, seen_pdf};
+use crate::light::seen::Seen;
 use crate::material::EmissionValue;
 use crate::schema::*;
 
@@ -127,13 +128,23 @@ pub fn with_light<T: Staged>(b: &mut Block, index: U32, body: impl Fn(&mut Block
                 (LIGHT_DIRECTIONAL, &|b| body(b, directional::make_directional_light(row))),
                 (LIGHT_TRIANGLE, &|b| body(b, area::make_triangle_light(row))),
                 (LIGHT_QUAD, &|b| body(b, area::make_quad_light(row))),
-                (LIGHT_SPHERE, &|b| body(b, sphere::make_sphere_light(row))),
-                (LIGHT_DISK, &|b| body(b, disk::make_disk_light(row))),
-                (LIGHT_SUN, &|b| body(b, sun::make_sun(row))),
             ],
-            |b| own_or_environment(b, row, 0, &body),
+            |b| seen_or_other(b, row, &body),
         )
     })
+}
+
+/// Do it with the light of a row that is none of the usual: one that rays see, where the scene has any, or another.
+fn seen_or_other<T: Staged>(b: &mut Block, row: Row<Lights>, body: &impl Fn(&mut Block, Light) -> T) -> T {
+    let kind = row.get(Lights::KIND);
+    let other = |b: &mut Block| own_or_environment(b, row, 0, body);
+    let (ball, disk) = (sphere::make_sphere_light, disk::make_disk_light);
+    let not_sun = |b: &mut Block| {
+        let shape = |b: &mut Block| b.if_(kind.eq(LIGHT_SPHERE), |b| body(b, ball(row)), |b| body(b, disk(row)));
+        let is_shape = Seen::Shape.is_used() & (kind.eq(LIGHT_SPHERE) | kind.eq(LIGHT_DISK));
+        b.if_(is_shape, shape, other)
+    };
+    b.if_(Seen::Sun.is_used() & kind.eq(LIGHT_SUN), |b| body(b, sun::make_sun(row)), not_sun)
 }
 
 /// Do it with the light of a user's crate whose row it is, from this one on, or else the environment.

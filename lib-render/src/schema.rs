@@ -62,10 +62,6 @@ table! {
         CAMERA: U32, structure;
         /// Do instances share triangles?
         HAS_INSTANCES: Bool, structure;
-        /// Is there a sphere or a disk among the lights?
-        HAS_SHAPES: Bool, structure;
-        /// Is there a sun?
-        HAS_SUNS: Bool, structure;
         /// Roulette may end a path from this scattering on.
         RR_DEPTH: U32, value;
         /// Largest survival probability.

@@ -7,10 +7,12 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 
+use crate::components::Components;
 use crate::core::color::{Color, black};
 use crate::core::vec::Vec3;
 use crate::light::{disk, sphere, sun, with_choice};
 use crate::schema::*;
+use crate::texture::Lookup;
 
 /// A light that a ray meets.
 #[derive(Clone, Copy)]
@@ -33,14 +35,24 @@ impl Met {
     }
 }
 
-/// Is there a sphere or a disk?
-pub fn has_shapes() -> Bool {
-    settings().get(Settings::HAS_SHAPES)
+/// What few scenes have, in the order of the rows in [`Models`], after those of what textures ask for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Seen {
+    /// A sphere or a disk.
+    Shape,
+    /// A sun.
+    Sun,
 }
 
-/// Is there a sun?
-pub fn has_suns() -> Bool {
-    settings().get(Settings::HAS_SUNS)
+impl Seen {
+    /// All of them.
+    pub const ALL: [Seen; 2] = [Seen::Shape, Seen::Sun];
+
+    /// Has the scene one?
+    pub fn is_used(self) -> Bool {
+        let row = Lookup::Border.row(Components::current().models().len()) + Lookup::ALL.len() + self as usize;
+        Row::<Models>::at(row as u32).get(Models::USED)
+    }
 }
 
 /// What `value` makes of each sphere and each disk that a ray (its direction unit) meets before this distance, in sum.

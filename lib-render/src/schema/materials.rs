@@ -218,10 +218,10 @@ table! {
 
 table! {
     /// The list of models, then of the lobes that extensions add to glTF's (`lobes::Lobe`), then of what few textures ask for
-    /// (`texture::Lookup`), one row each. It is known at every level of knowledge: a renderer is put together from what the
-    /// scene names.
+    /// (`texture::Lookup`) and of lights that rays see (`light::seen::Seen`), one row each. It is known at every level of knowledge:
+    /// a renderer is put together from what the scene names.
     pub classed Models {
-        /// Has any material of the scene this model, or this lobe, or any of its textures this way?
+        /// Has any material of the scene this model, or this lobe, any of its textures this way, or such a light?
         USED: Bool, structure;
     }
 }

@@ -15,7 +15,7 @@ use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
 use crate::light::environment::seen_environment;
-use crate::light::seen::{has_shapes, has_suns, sum_of_shapes, sum_of_suns};
+use crate::light::seen::{Seen, sum_of_shapes, sum_of_suns};
 use crate::light::{DirectLightSample, hit_pdf, sample_light};
 use crate::material::{EmissionValue, Material};
 use crate::mis::power_heuristic;
@@ -36,12 +36,12 @@ pub fn make_path_tracer(camera: CameraFn) -> Tracer {
                 let by_light = hit_pdf(b, surf.light, ray.org, hit.t, surf.face_cos(ray.dir));
                 by_chance(state, by_light)
             });
-            b.if_(has_shapes(), |b| own + shapes(b, ray, state, hit.t), |_| own)
+            b.if_(Seen::Shape.is_used(), |b| own + shapes(b, ray, state, hit.t), |_| own)
         }),
         on_miss: OnMissFn::lam(|b, (ray, state)| {
             let sky = sky(b, ray, state, |by_light| by_chance(state, by_light));
-            let sky = b.if_(has_suns(), |b| sky + suns(b, ray, state), |_| sky);
-            b.if_(has_shapes(), |b| sky + shapes(b, ray, state, F32::from(f32::INFINITY)), |_| sky)
+            let sky = b.if_(Seen::Sun.is_used(), |b| sky + suns(b, ray, state), |_| sky);
+            b.if_(Seen::Shape.is_used(), |b| sky + shapes(b, ray, state, F32::from(f32::INFINITY)), |_| sky)
         }),
         on_shadow: OnShadowFn::exits(|b, (ray, hit, state, surf, mat, emit, skip)| {
             b.when(!asks_for_light(state, mat), |b| skip.take(b, ()));

@@ -189,7 +189,6 @@ impl Tables {
             materials::materials(scene, &mut textures, components.models(), choices.cull_back_faces),
         );
         put(binding::<Parameters>(), std::mem::take(&mut textures.numbers).finish());
-        put(binding::<Models>(), models::list(scene, components.models()));
         let images = textures.images().to_vec();
         put(binding::<Texels>(), textures.texels());
         put(binding::<Textures>(), textures.finish());
@@ -217,6 +216,7 @@ impl Tables {
         put(binding::<LightChoice>(), lights.choice);
         put(binding::<LightTree>(), lights.tree);
         put(binding::<SeenLights>(), lights.seen);
+        put(binding::<Models>(), models::list(scene, components.models(), lights.counts));
         let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
         put(binding::<Environment>(), row);
         put(binding::<EnvironmentTexels>(), texels);
@@ -269,7 +269,6 @@ impl Tables {
             materials::materials(scene, &mut textures, components.models(), choices.cull_back_faces),
         );
         put(binding::<Parameters>(), std::mem::take(&mut textures.numbers).finish());
-        put(binding::<Models>(), models::list(scene, components.models()));
         if change.texels || textures.images() != self.images {
             put(binding::<Texels>(), textures.texels());
         }
@@ -301,6 +300,7 @@ impl Tables {
             (counts, new.marks) = (lights.counts, lights.marks);
         }
         new.lights = counts;
+        new.memory[binding::<Models>()] = Arc::new(models::list(scene, components.models(), counts));
         new.memory[binding::<Settings>()] = Arc::new(settings(scene, choices, self.camera, counts, instance_count));
         new.memory[binding::<Sampling>()] = Arc::new(choices.sampler.row());
         new.facts = classes::classify(&mut new.memory, known, &self.facts);
@@ -352,9 +352,7 @@ fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: Counts
         .set(S::LIGHT_COUNT, lights.all)
         .set(S::HAS_LIGHT_TREE, lights.in_tree > 0)
         .set(S::TREE_LIGHTS, lights.in_tree)
-        .set(S::HAS_SHAPES, lights.shapes > 0)
         .set(S::SHAPES, lights.shapes)
-        .set(S::HAS_SUNS, lights.suns > 0)
         .set(S::SUNS, lights.suns)
         .set(S::HAS_CUTOUTS, tree::cutouts(scene, choices).contains(&true))
         .set(S::HAS_INSTANCES, instances > 0)

@@ -2,11 +2,13 @@
 
 use jerboa_scenes::{LightKind, Material, Model as Named, Scene, TextureSource};
 
+use super::lights::Counts;
 use super::memory::{Memory, Table};
 use super::textures::asks_for;
 use crate::bsdf::models::Model;
 use crate::components::{Components, Parameter};
 use crate::host::error::Error;
+use crate::light::seen::Seen;
 use crate::lobes::Lobe;
 use crate::schema::{Models, Parameters};
 use crate::texture::Lookup;
@@ -175,13 +177,18 @@ impl Numbers {
     }
 }
 
-/// The list of models, with those marked that the scene has.
-pub fn list(scene: &Scene, models: &[Model]) -> Memory {
+/// The list of models and what stands after it, with those marked that the scene has.
+pub fn list(scene: &Scene, models: &[Model], lights: Counts) -> Memory {
     let used: Vec<u32> = scene.materials.iter().map(|m| resolve(m, models).map_or(0, |(number, _)| number)).collect();
     let mut table = Table::<Models>::new();
     let has = |lobe| scene.materials.iter().any(|m| super::lobes::has(m, lobe));
     (0..models.len() as u32).for_each(|number| _ = table.push().set(Models::USED, used.contains(&number)));
     Lobe::ALL.into_iter().for_each(|lobe| _ = table.push().set(Models::USED, has(lobe)));
     Lookup::ALL.into_iter().for_each(|lookup| _ = table.push().set(Models::USED, asks_for(scene, lookup)));
+    let count = |seen| match seen {
+        Seen::Shape => lights.shapes,
+        Seen::Sun => lights.suns,
+    };
+    Seen::ALL.into_iter().for_each(|seen| _ = table.push().set(Models::USED, count(seen) > 0));
     table.finish()
 }
