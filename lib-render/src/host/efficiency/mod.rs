@@ -2,7 +2,7 @@
 //!
 //! A *contestant* renders a scene within a *budget* of wall time, again and again with other seeds. The clock runs from the
 //! opening of the scene's file to the finished film, so that reading, trees, specialisation and code generation count; the
-//! time of rendering alone stands beside it. What fits into a budget is found out before, by a short render ([`plan`]); then
+//! time of rendering alone stands beside it. What fits into a budget is found out before, by short renders; then
 //! all contestants take turns, seed by seed.
 //!
 //! Of K films of a contestant the error is told without a reference: an unbiased estimator's mean squared error is its
