@@ -21,6 +21,8 @@ pub struct World {
     latest: FxHashMap<u64, NodeId>,
     /// For each node, the one before it with the same hash; collisions are resolved by comparison.
     before: Vec<NodeId>,
+    /// Functions that are made once, by name.
+    shared: FxHashMap<&'static str, NodeId>,
 }
 
 impl World {
@@ -32,6 +34,16 @@ impl World {
     /// The program as far as it is made.
     pub fn program(&self) -> &Program {
         &self.program
+    }
+
+    /// The function that is shared by this name, once it is made.
+    pub fn shared(&self, name: &str) -> Option<NodeId> {
+        self.shared.get(name).copied()
+    }
+
+    /// Share a function by this name.
+    pub fn share(&mut self, name: &'static str, function: NodeId) {
+        self.shared.insert(name, function);
     }
 
     /// The finished program.

@@ -114,7 +114,11 @@ fn own_or(b: &mut Block, row: Row<Textures>, uv: Vec2, own: u32, other: impl FnO
 /// What the texture gives at a surface with these two sets of coordinates.
 pub fn look_up(b: &mut Block, row: Row<Textures>, uv: [Vec2; 2]) -> Texel {
     let set = row.get(Textures::UV_SET).eq(0u32).select(uv[0], uv[1]);
-    make_texture(row).call(b, set)
+    // It is long, and materials look up a texture at some fifty places.
+    let texture = Fun::<(Row<Textures>, Vec2), Texel>::shared("texture", || {
+        Fun::lam(|b, (row, uv): (Row<Textures>, Vec2)| make_texture(row).call(b, uv))
+    });
+    texture.call(b, (row, set))
 }
 
 /// KHR_texture_transform.

@@ -63,6 +63,33 @@ impl<A: Staged, R: Returns> Staged for Fun<A, R> {
     }
 }
 
+impl<A: Staged, R: Returns> Fun<A, R> {
+    /// The function of this program by this name, made where it is first asked for: one, however many places call it. It must not
+    /// depend on what is around any of them, and each name has one type.
+    ///
+    /// ```
+    /// use jerboa_ir::lang::{Fun, I32, build, entry};
+    ///
+    /// let square = || Fun::<I32, I32>::shared("square", || Fun::lam(|_, x| x * x));
+    /// let program = build(|| {
+    ///     let fourth = Fun::<I32, I32>::lam(|b, x| {
+    ///         let y = square().call(b, x);
+    ///         square().call(b, y)
+    ///     });
+    ///     entry("fourth", fourth);
+    /// });
+    /// assert_eq!(jerboa_ir::print(&program).matches("\nfun ").count(), 2, "`fourth`, and one `square`");
+    /// ```
+    pub fn shared(name: &'static str, make: impl FnOnce() -> Self) -> Self {
+        if let Some(made) = with(|w| w.shared(name)) {
+            return Fun(made, PhantomData);
+        }
+        let made = make();
+        with(|w| w.share(name, made.0));
+        made
+    }
+}
+
 /// The filter of a function that is always unfolded: `@`.
 pub fn always() -> Bool {
     true.into()
