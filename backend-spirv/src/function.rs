@@ -112,10 +112,10 @@ struct Emitter<'a> {
     at: u32,
     /// What each open naga block knows, innermost last.
     known: Vec<FxHashMap<Known, Value>>,
-    /// Variables of the lanes of nodes that are used out of the naga block that computes them.
-    far: FxHashMap<(NodeId, u32), Vec<Handle<LocalVariable>>>,
-    /// Variables of the lanes of parameters of blocks that several go on in.
-    params: FxHashMap<NodeId, Vec<Handle<LocalVariable>>>,
+    /// Places of the lanes of nodes that are used out of the naga block that computes them.
+    far: FxHashMap<(NodeId, u32), Vec<Place>>,
+    /// Places of the lanes of parameters of blocks that several go on in.
+    params: FxHashMap<NodeId, Vec<Place>>,
     /// Local arrays, by the block whose parameter they are.
     arrays: FxHashMap<u32, Array>,
     /// What stands where the function begins.
@@ -125,6 +125,18 @@ struct Emitter<'a> {
     /// Which exit is under way.
     exit: Option<Handle<LocalVariable>>,
 }
+
+/// Where a scalar lies that its naga block does not show to all who use it.
+#[derive(Clone, Copy)]
+struct Place {
+    variable: Handle<LocalVariable>,
+    scalar: Scalar,
+    /// Is it in memory, see [`Uses::is_kept`]? Then it is an element of an array; which one, no driver knows.
+    kept: bool,
+}
+
+/// Elements of the array of a scalar that is kept. Of one alone a driver would know which.
+const KEPT: u32 = 2;
 
 /// A local array.
 #[derive(Clone, Copy)]
@@ -140,23 +152,20 @@ impl Emitter<'_> {
         let p = self.unit.program;
         self.signature();
         for (node, def) in self.uses.far.clone() {
-            let variables = self.variables(node, "far");
-            self.far.insert((node, def), variables);
+            let places = self.places(node, "far");
+            self.far.insert((node, def), places);
         }
         for (number, block) in self.f.blocks.iter().enumerate().skip(1) {
             let params = 0..p.cont(block.cont).params.len() as u32;
             for param in params.filter_map(|i| self.unit.params.get(&(block.cont, i)).copied()) {
                 match p.ty(param).kind() {
                     TyKind::Local(scalar, len) => {
-                        // A `bool` in memory is a word.
-                        let element = if *scalar == Scalar::Bool { Scalar::U32 } else { *scalar };
-                        let ty = self.types.array(element, Some(*len));
-                        let variable = self.code.variable("array", ty);
+                        let variable = self.array_variable("array", *scalar, *len);
                         self.arrays.insert(number as u32, Array { variable, scalar: *scalar, len: *len });
                     }
                     _ if block.preds.len() > 1 && self.uses.is_used(param) => {
-                        let variables = self.variables(param, &p.cont(block.cont).name);
-                        self.params.insert(param, variables);
+                        let places = self.places(param, &p.cont(block.cont).name);
+                        self.params.insert(param, places);
                     }
                     _ => {}
                 }
@@ -164,15 +173,27 @@ impl Emitter<'_> {
         }
     }
 
-    /// A variable for each lane of a value.
-    fn variables(&mut self, x: NodeId, name: &str) -> Vec<Handle<LocalVariable>> {
+    /// A place for each lane of a value.
+    fn places(&mut self, x: NodeId, name: &str) -> Vec<Place> {
         let p = self.unit.program;
         let hint = match p.node(x) {
             Node::Param { cont, index } => p.cont(*cont).params[*index as usize].name.as_deref(),
             _ => p.names.get(&x).map(|n| &**n),
         };
         let name = hint.map_or(name.to_owned(), |hint| format!("{name}_{hint}"));
-        scalars([p.ty(x)]).into_iter().map(|s| self.variable(&name, s)).collect()
+        let kept = self.uses.is_kept(x);
+        let place = |scalar: Scalar| {
+            let variable = if kept { self.array_variable(&name, scalar, KEPT) } else { self.variable(&name, scalar) };
+            Place { variable, scalar, kept }
+        };
+        scalars([p.ty(x)]).into_iter().map(place).collect()
+    }
+
+    /// An array. A `bool` in memory is a word.
+    fn array_variable(&mut self, name: &str, scalar: Scalar, len: u32) -> Handle<LocalVariable> {
+        let element = if scalar == Scalar::Bool { Scalar::U32 } else { scalar };
+        let ty = self.types.array(element, Some(len));
+        self.code.variable(name, ty)
     }
 
     fn variable(&mut self, name: &str, scalar: Scalar) -> Handle<LocalVariable> {

@@ -86,6 +86,10 @@
 //! frame (`flow.rs`). A value that is used where naga does not see it any more goes through a local variable (`uses.rs`); the
 //! renderer's traversals need four.
 //!
+//! Where invocations run together, those that have left a loop wait for the others. Lavapipe 22.3 computes what stands in the
+//! loop for all of them, and lets those that wait keep only what the loop carries; a load gives them 0. So what leaves a loop
+//! without being carried lies in an element of a local array.
+//!
 //! # The same bits
 //!
 //! Every operation means what [`jerboa_ir::Op::eval`] says, bit for bit, all NaN being one value. Shading languages promise

@@ -10,7 +10,7 @@ use std::sync::{Arc, LazyLock};
 use jerboa_backend_spirv::gpu::{Bound, Choice, Extent, Gpu, Launch, Memory as Words};
 use jerboa_backend_spirv::{Binding, Grid, Module, Options, Packing, emit};
 use jerboa_ir::cfg::Cfg;
-use jerboa_ir::interp::Memory;
+use jerboa_ir::interp::{Interp, Limits, Memory};
 use jerboa_ir::*;
 
 use crate::engine::{Engine, Outcome};
@@ -151,6 +151,36 @@ impl Spirv {
         Ok(outcomes.into_iter().map(|(_, memory)| memory).next().unwrap_or_default())
     }
 
+    /// Run so many rows of a sweep in the interpreter and through a grid. False where a row takes more than the limits, so that
+    /// there is nothing to compare.
+    ///
+    /// # Errors
+    /// The first word that differs, or why it did not run.
+    ///
+    /// # Panics
+    /// When the program is no sweep.
+    pub fn compare_rows(&self, sweep: &Sweep, rows: u32, limits: Limits) -> Result<bool, String> {
+        let p = &sweep.program;
+        if let Some(fault) = verify_residual(p).first() {
+            return Err(format!("{fault}\n{}", print(p)));
+        }
+        let entry = p.entry("sweep").expect("it is a sweep");
+        let interp = Interp::new(p);
+        let mut expected = sweep.memory.clone();
+        for row in 0..rows {
+            let args = [&[Lit::U32(row)], &sweep.uniform[..]].concat();
+            if interp.run(entry, &args, &mut expected, limits).is_err() {
+                return Ok(false);
+            }
+        }
+        let expected = canonical(p, expected);
+        let got = self.sweep(sweep, rows).map_err(|e| format!("{e}\n{}", print(p)))?;
+        match difference(p, &expected, &got) {
+            None => Ok(true),
+            Some(what) => Err(format!("{what}\n{}memory {:?}", print(p), sweep.memory)),
+        }
+    }
+
     /// Run so many items of a kernel for each input.
     fn launch(
         &self,
@@ -185,6 +215,18 @@ impl Spirv {
         };
         (0..inputs.len()).map(outcome).collect()
     }
+}
+
+/// The first word that differs.
+fn difference(p: &Program, expected: &[Memory], got: &[Memory]) -> Option<String> {
+    for (buffer, (a, b)) in p.buffers.iter().zip(expected.iter().zip(got)) {
+        for (at, (expected, got)) in a.words.iter().zip(&b.words).enumerate() {
+            if expected != got {
+                return Some(format!("word {at} of `{}` is {got:#x}, not {expected:#x}", buffer.name));
+            }
+        }
+    }
+    None
 }
 
 /// The buffers of the program in a storage buffer.

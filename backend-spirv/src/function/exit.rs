@@ -60,7 +60,7 @@ impl Emitter<'_> {
                 continue;
             };
             match self.params.get(&node).cloned() {
-                Some(variables) => self.assign(&variables, lanes),
+                Some(places) => self.assign(&places, lanes),
                 None => self.define(node, lanes),
             }
         }

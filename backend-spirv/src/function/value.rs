@@ -2,9 +2,10 @@
 
 use jerboa_ir::op::Rule;
 use jerboa_ir::{Lit, Node, NodeId, Op, Scalar};
-use naga::Handle;
 
-use super::{Emitter, Known};
+use super::memory::{decode, encode};
+use super::top::Top;
+use super::{Emitter, Known, Place};
 use crate::code::Value;
 use crate::ops;
 
@@ -17,11 +18,11 @@ impl Emitter<'_> {
         if let Some(value) = self.look_up(Known::Lane(x, lane)) {
             return value;
         }
-        let variable = match self.uses.def(self.unit.program, self.f, x, self.at) {
+        let place = match self.uses.def(self.unit.program, self.f, x, self.at) {
             Some(def) => self.far[&(x, def)][lane],
             None => self.params[&x][lane],
         };
-        let value = self.code.get(variable);
+        let value = self.take(place);
         self.know(Known::Lane(x, lane), value);
         value
     }
@@ -70,15 +71,36 @@ impl Emitter<'_> {
         for (lane, value) in lanes.iter().enumerate() {
             self.know(Known::Lane(x, lane), *value);
         }
-        if let Some(variables) = self.far.get(&(x, self.at)).cloned() {
-            self.assign(&variables, lanes);
+        if let Some(places) = self.far.get(&(x, self.at)).cloned() {
+            self.assign(&places, lanes);
         }
     }
 
-    pub(super) fn assign(&mut self, variables: &[Handle<naga::LocalVariable>], values: &[Value]) {
-        for (variable, value) in variables.iter().zip(values) {
-            self.code.set(*variable, *value);
+    /// Puts values where they are found later.
+    pub(super) fn assign(&mut self, places: &[Place], values: &[Value]) {
+        for (place, value) in places.iter().zip(values) {
+            let in_word = place.kept && place.scalar == Scalar::Bool;
+            let value = if in_word { encode(&mut self.code, Scalar::Bool, *value) } else { *value };
+            let pointer = self.pointer_to(*place);
+            self.code.store(pointer, value);
         }
+    }
+
+    /// Takes a value from there.
+    fn take(&mut self, place: Place) -> Value {
+        let pointer = self.pointer_to(place);
+        let value = self.code.load(pointer);
+        let in_word = place.kept && place.scalar == Scalar::Bool;
+        if in_word { decode(&mut self.code, Scalar::Bool, value) } else { value }
+    }
+
+    fn pointer_to(&mut self, place: Place) -> Value {
+        let pointer = self.code.local(place.variable);
+        if !place.kept {
+            return pointer;
+        }
+        let element = self.top(Top::Word(self.unit.launch.zero()));
+        self.code.element(pointer, element)
     }
 
     /// Computes a node.

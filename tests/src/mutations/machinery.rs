@@ -183,6 +183,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "pieces.extend([piece])",
         mistake: "an exit through some frames is still noted the next time that one of them ends",
     },
+    Mutation {
+        name: "what-leaves-a-loop-is-not-kept",
+        file: "backend-spirv/src/uses.rs",
+        before: "self.kept.contains(&x)",
+        after: "false",
+        mistake: "an invocation that has left a loop has what a driver loads for those that go on in it (Mesa)",
+    },
     // ---- peval, vectorize
     Mutation {
         name: "half-of-a-vectorize-is-none",
