@@ -12,7 +12,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("backend-spirv", &["ir"]),
     ("scenes", &[]),
     ("lib-render", &["ir", "peval", "backend-cranelift", "backend-spirv", "scenes"]),
-    ("tests", &["ir", "peval", "backend-cranelift", "backend-spirv", "scenes", "lib-render"]),
+    ("tests", &["ir", "peval", "backend-cranelift", "backend-spirv", "scenes", "lib-render", "example-custom"]),
     ("examples/custom", &["ir", "scenes", "lib-render"]),
 ];
 

@@ -1,4 +1,5 @@
-//! The lights of a whole scene, to be asked from outside: the components of the renderer over its tables, with nothing known.
+//! The lights of a whole scene, to be asked from outside: the components of the renderer over its tables, with nothing known,
+//! and those of the crate `examples/custom`.
 //!
 //! [`LightProbe::choose`] says which light a number draws, [`LightProbe::sample`] what light sampling gives at a point, and
 //! [`LightProbe::see`] what a ray finds there: the radiance, and the density that the weights of multiple importance
@@ -17,12 +18,15 @@
 //! ```
 
 use glam::{DVec3, Vec3};
+use jerboa_example_custom::components;
 use jerboa_ir::lang::{Bool, F32, Fun, Keep, Row, U32, entry};
 use jerboa_lib_render::core::color::{Color, black};
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec;
 use jerboa_lib_render::geometry::offset::spawn_shadow_ray;
 use jerboa_lib_render::geometry::{SurfaceElement, make_geometry};
+use jerboa_lib_render::host::device::Traversal;
+use jerboa_lib_render::host::library::Library;
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_lib_render::light::environment::seen_environment;
 use jerboa_lib_render::light::seen::{Met, sum_of_shapes, sum_of_suns};
@@ -84,6 +88,7 @@ pub struct Emitted {
 pub struct LightProbe {
     /// Are lamps sampled by solid angle in what is loaded next?
     pub solid_angle: bool,
+    library: Library,
     bench: Bench,
     /// What the tables subtract from positions.
     origin: DVec3,
@@ -98,7 +103,7 @@ fn ray(org: vec::Vec3, dir: vec::Vec3) -> Ray {
 impl Default for LightProbe {
     /// Of no scene yet.
     fn default() -> LightProbe {
-        let bench = Bench::new(|| {
+        let author = || {
             let traverse = make_traverse();
             let accept = || AcceptFn::lam(|_, _| Bool::from(true));
             entry(
@@ -176,8 +181,10 @@ impl Default for LightProbe {
                     })
                 }),
             );
-        });
-        LightProbe { solid_angle: false, bench, origin: DVec3::ZERO }
+        };
+        let library = Library::new(components());
+        let bench = library.components().within(|| Bench::new(author));
+        LightProbe { solid_angle: false, library, bench, origin: DVec3::ZERO }
     }
 }
 
@@ -190,7 +197,7 @@ impl LightProbe {
     /// Take this scene; gives its tables.
     pub fn load(&mut self, scene: &Scene) -> Tables {
         let choices = Choices { solid_angle: self.solid_angle, ..Choices::default() };
-        let tables = Tables::new(scene, &choices, Known::Nothing);
+        let tables = Tables::of(&self.library, scene, &choices, Known::Nothing, Traversal::Ir);
         self.bench.load(&tables);
         self.origin = tables.origin;
         tables

@@ -1,8 +1,9 @@
-//! A material on one surface, to be asked from outside: through the shader, with nothing known.
+//! A material on one surface, to be asked from outside: through the shader, with nothing known. Models are the library's and
+//! those of the crate `examples/custom`.
 
+use jerboa_example_custom::components;
 use jerboa_ir::lang::{F32, Fun, Row, U32, entry};
 use jerboa_lib_render::bsdf::BsdfSample;
-use jerboa_lib_render::bsdf::models::MODELS;
 use jerboa_lib_render::core::color::{Color, white};
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::{Vec2, Vec3};
@@ -64,6 +65,8 @@ pub struct Sampled {
 /// A surface at the origin whose material can be set and asked.
 pub struct Probe {
     bench: Bench,
+    /// Their names, by number.
+    models: Vec<&'static str>,
     /// Geometric normal.
     pub face: V,
     /// Shading normal.
@@ -98,7 +101,9 @@ pub fn material(b: &mut jerboa_ir::lang::Block, face_normal: Vec3, normal: Vec3)
 impl Default for Probe {
     /// A surface in the plane z = 0.
     fn default() -> Probe {
-        let bench = Bench::new(|| {
+        let components = components();
+        let models = components.models().iter().map(|model| model.name).collect();
+        let author = || {
             entry(
                 "eval",
                 Fun::lam(|b, (g, n, wi, wo): (Vec3, Vec3, Vec3, Vec3)| {
@@ -116,8 +121,9 @@ impl Default for Probe {
                     (s, f, bsdf.pdf.call(b, (s.wi, wo)))
                 }),
             );
-        });
-        Probe { bench, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
+        };
+        let bench = components.within(|| Bench::new(author));
+        Probe { bench, models, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
     }
 }
 
@@ -125,7 +131,7 @@ impl Probe {
     /// White, index 1.5, no lobe on; the normals as they were made.
     fn reset(&mut self) -> &mut Probe {
         self.bench.rows::<Materials>(1);
-        self.bench.rows::<Models>(MODELS.len() + Lobe::ALL.len());
+        self.bench.rows::<Models>(self.models.len() + Lobe::ALL.len());
         for column in [Materials::BASE_R, Materials::BASE_G, Materials::BASE_B] {
             self.number(column, 1.0);
         }
@@ -198,7 +204,7 @@ impl Probe {
 
     /// The model of this name with these numbers, on white.
     pub fn model(&mut self, name: &str, numbers: &[f32]) -> &mut Probe {
-        let place = MODELS.iter().position(|model| model.name == name).expect("it is in the list");
+        let place = self.models.iter().position(|model| *model == name).expect("it is in the list");
         self.reset();
         self.bench.set(Models::USED, place, true);
         self.bench.set(Materials::MODEL, 0, place as u32);
@@ -214,7 +220,7 @@ impl Probe {
 
     /// A lobe of the material, which a scene then has.
     fn lobe(&mut self, lobe: Lobe, flag: jerboa_ir::lang::Col<Materials, jerboa_ir::lang::Bool>) -> &mut Probe {
-        self.bench.set(Models::USED, MODELS.len() + lobe as usize, true);
+        self.bench.set(Models::USED, self.models.len() + lobe as usize, true);
         self.flag(flag, true)
     }
 

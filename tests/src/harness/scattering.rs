@@ -1,7 +1,8 @@
 //! The BSDFs under test: one table, and every test of `tests/tests/scattering` runs over all its rows.
 //!
-//! To add a BSDF, add a way to set it up to [`Probe`], and a family of rows to [`rows`], with the parameters at which it is
-//! extreme. A row is a name and the set-up; what it does not claim stays as [`Row::new`] made it:
+//! To add a BSDF, the library's or that of the crate `examples/custom`, add a family of rows to [`rows`], with the parameters at
+//! which it is extreme, set up by a way of [`Probe`]: [`Probe::model`] takes every model. A row is a name and the set-up; what it
+//! does not claim stays as [`Row::new`] made it:
 //! - [`Row::through`], if light comes through, with the index of the inside where it bends there;
 //! - [`Row::returns`], the share of light that comes back in the green channel, by a calculation in f64 that shares
 //!   nothing with the renderer; [`microfacets`] and [`phong_lobe`] are such calculations.
@@ -19,6 +20,7 @@
 
 use std::f64::consts::PI;
 
+use jerboa_example_custom::minnaert;
 use jerboa_lib_render::schema::Materials;
 
 use super::lobes::{film, sheen, stretched_microfacets};
@@ -67,6 +69,8 @@ pub fn rows() -> Vec<Row> {
         Row::new("no layer", |p| p.plastic(1.0).number(Materials::SPECULAR, 0.0).coloured()).returns(|_| 0.5),
     ];
     rows.extend([0.0, 0.0016, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0].map(metal));
+    // Schlick's factor from the colour at normal incidence to 1 at grazing.
+    rows.push(Row::new("gold", |p| p.metal(0.0).coloured()).returns(|cos| 0.5 + 0.5 * (1.0 - cos.abs()).powi(5)));
     rows.extend([0.0, 0.05, 0.25, 1.0].map(plastic));
     rows.extend([0.0, 0.05, 0.25, 1.0].map(glass));
     rows.extend([0.0, 0.05, 0.25, 1.0].map(thin));
@@ -96,6 +100,7 @@ pub fn rows() -> Vec<Row> {
     rows.extend([1.0, 1.5, 2.5].map(thin_glass));
     rows.push(Row::new("mirror", |p| p.model("mirror", &[]).coloured()).returns(|_| 0.5));
     rows.extend([(0.3, 0.0), (0.3, 0.25), (1.0, 0.5)].map(blend));
+    rows.extend([1.0, 2.0, 8.0].map(minnaert_of));
     rows
 }
 
@@ -322,6 +327,12 @@ fn varnished(alpha: f64) -> Row {
 fn thin_glass(index: f64) -> Row {
     let make = move |p: &mut Probe| _ = p.model("thin-glass", &[]).number(Materials::IOR, index as f32);
     Row { make: Box::new(make), ..Row::new(format!("sheet {index}"), |p| p).through(1.0).returns(|_| 1.0) }
+}
+
+/// Of a user's crate: ρ (k + 1)/2π ∫ (cos wi cos wo)^(k−1) cos wi is a power of one cosine.
+fn minnaert_of(k: f64) -> Row {
+    let row = Row::new(format!("minnaert {k}"), move |p| p.model(minnaert::NAME, &[k as f32]).coloured());
+    row.returns(move |cos| 0.5 * cos.abs().powf(k - 1.0))
 }
 
 /// Both parts by their shares.

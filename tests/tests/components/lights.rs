@@ -9,6 +9,7 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::{DAffine3, DVec3};
+use jerboa_example_custom::lamp;
 use jerboa_ir::lang::{Buf, F32, Fun, entry};
 use jerboa_lib_render::host::ahead::texels;
 use jerboa_lib_render::host::edit::Part;
@@ -17,7 +18,7 @@ use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::{LIGHT_POINT, LIGHT_QUAD, LightChoice, Lights, Settings, binding};
-use jerboa_scenes::{Camera, Environment, Light, LightKind, Material, Scene};
+use jerboa_scenes::{Camera, Environment, Light, LightKind, Material, Model, Scene};
 use jerboa_tests::harness::analytic::{ALBEDO, Estimate, bound, direct, light, place, rectangle, sphere};
 use jerboa_tests::harness::bench::{Bench, Random, number, stream};
 use jerboa_tests::harness::chi2;
@@ -332,6 +333,22 @@ fn lights_without_extent_follow_the_extension() {
     assert!((s.wi[1] - 1.0).abs() < 1e-7 && (s.distance, s.radiance) == (f32::INFINITY, 1.0), "{s:?}");
 }
 
+/// That of a user's crate, of exponent 2: the square of the cosine to its axis.
+fn own_lamp() -> Scene {
+    let own = vec![Model::named(lamp::NAME).with("exponent", &[2.0])];
+    Scene { lights: vec![light(LightKind::Own(0), 1.0, 0.0)], own, ..Scene::default() }
+}
+
+#[test]
+fn a_lamp_of_a_users_crate_shines_by_its_cosine() {
+    let mut probe = LightProbe::default();
+    probe.load(&own_lamp());
+    for (cos, expected) in [(1.0_f32, 1.0), (0.8, 0.64), (0.1, 0.01), (0.0, 0.0), (-0.5, 0.0)] {
+        let s = probe.sample(3, [2.0 * (1.0 - cos * cos).sqrt(), -2.0 * cos, 0.0], true);
+        assert!((s.radiance * 4.0 - expected).abs() < 2e-6 && s.is_delta && s.pdf == 1.0, "cos {cos}: {s:?}");
+    }
+}
+
 /// A lamp is not hidden by itself: neither where its halves meet, nor a needle whose every point is near the seam, nor from
 /// a grazing angle; and from its own plane there is nothing to draw.
 #[test]
@@ -460,6 +477,7 @@ fn the_rays_that_leave_a_light_carry_its_flux() {
     let of = |kind| Scene { lights: vec![light(kind, 1.0, 0.0)], ..Scene::default() };
     check(&of(spot), 2.0 * PI * (0.25 + 0.25 / 3.0), "spot");
     check(&of(LightKind::Point), 4.0 * PI, "point");
+    check(&own_lamp(), 2.0 * PI / 3.0, "a user's lamp");
     check(&of(LightKind::Sphere { radius: 0.5 }), 4.0 * PI, "sphere");
     let disk = LightKind::Disk { inner: 0.75_f32.acos(), outer: 0.5_f32.acos(), radius: 0.5 };
     check(&of(disk), 2.0 * PI * (0.25 + 0.25 / 3.0), "disk");
