@@ -19,7 +19,8 @@ use jerboa_lib_render::host::replay::interpret;
 use jerboa_lib_render::host::tables::{Choices, Pass};
 use jerboa_scenes::{AlphaMode, Instance, Material, Mesh, Scene};
 use jerboa_tests::harness::analytic::{
-    Closed, Estimate, Look, SEED, bodies, bound, direct, enclosures, estimate, glowing_box, renderer, seen,
+    Closed, Estimate, Look, SEED, bodies, bound, direct, enclosures, estimate, estimate_green, glowing_box, plates,
+    renderer, seen,
 };
 use jerboa_tests::harness::bench::number;
 
@@ -28,8 +29,12 @@ fn paths(quick: usize) -> usize {
     number("JERBOA_PATHS", quick)
 }
 
-/// Each scene of a table, rendered at every look of it.
+/// Each grey scene of a table, rendered at every look of it.
 fn all_agree(table: &[Closed], quick: usize, most: f64) {
+    all_agree_by(estimate, table, quick, most);
+}
+
+fn all_agree_by(estimate: fn(&Renderer, &Look, usize, u32) -> Estimate, table: &[Closed], quick: usize, most: f64) {
     let paths = paths(quick);
     println!("{paths} paths, seeds from {SEED} on");
     let mut faults = Vec::new();
@@ -54,6 +59,12 @@ fn enclosures_have_their_radiance() {
 #[test]
 fn bodies_have_their_radiance() {
     all_agree(&bodies(), 1 << 12, 5e-3);
+}
+
+/// Each lobe and model that loses light, and materials of a Wavefront file, at three slants.
+#[test]
+fn plates_return_what_quadrature_says() {
+    all_agree_by(estimate_green, &plates(), 1 << 12, 5e-3);
 }
 
 /// Each camera.
@@ -111,7 +122,7 @@ fn every_engine_sees_the_same() {
     let rooms = enclosures();
     // Albedo is a number and changes no program.
     let rooms = rooms.iter().filter(|c| c.name.ends_with("0.5"));
-    for closed in rooms.chain(&direct()).chain(&bodies()).chain(&seen()) {
+    for closed in rooms.chain(&direct()).chain(&bodies()).chain(&plates()).chain(&seen()) {
         let options = Options { choices: closed.choices, device: DeviceKind::CpuScalar, ..Options::default() };
         let r = Renderer::new(&closed.scene, options).unwrap_or_else(|e| panic!("{}: {e}", closed.name));
         let look = &closed.looks[0].0;

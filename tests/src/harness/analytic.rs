@@ -1,7 +1,7 @@
 //! Scenes whose radiance has a closed form, and how renders of them are judged.
 //!
-//! A [`Closed`] scene says where to look and what is to be seen there; [`enclosures`], [`bodies`], [`seen`] and [`direct`] are
-//! the tables of them. [`estimate`] traces paths there, and [`Estimate::fault`] compares. Curved surfaces are made of triangles: how far
+//! A [`Closed`] scene says where to look and what is to be seen there; [`enclosures`], [`bodies`], [`plates`], [`seen`] and
+//! [`direct`] are the tables of them. [`estimate`] traces paths there, and [`Estimate::fault`] compares. Curved surfaces are made of triangles: how far
 //! that moves the truth is bounded for each scene (`facets`), from the mesh itself.
 //!
 //! *Closed enclosures.* Inside a closed surface of albedo ρ every point sees walls only. So if each wall point has direct
@@ -28,15 +28,18 @@ use jerboa_lib_render::host::tables::{Choices, Pass};
 use jerboa_scenes::{Camera, Mesh, Scene};
 
 use super::stats::mean;
+use crate::sources::root;
 
 mod bodies;
 mod direct;
 mod enclosures;
+mod plates;
 mod seen;
 
 pub use bodies::bodies;
 pub use direct::{ALBEDO, direct, form_factor, maps, sky_irradiance};
 pub use enclosures::{enclosures, glowing_box};
+pub use plates::plates;
 pub use seen::seen;
 
 /// Seed of the first render of each scene.
@@ -202,6 +205,22 @@ pub fn estimate(renderer: &Renderer, look: &Look, paths: usize, seed: u32) -> Es
         g
     };
     Estimate::of(&look.samples(renderer, paths, seed).map(grey).collect::<Vec<_>>())
+}
+
+/// Traces paths and sums their green, whatever the other channels.
+pub fn estimate_green(renderer: &Renderer, look: &Look, paths: usize, seed: u32) -> Estimate {
+    Estimate::of(&look.samples(renderer, paths, seed).map(|[_, g, _]| g).collect::<Vec<_>>())
+}
+
+/// The scene of a file in `tests/files/wavefront`.
+///
+/// # Panics
+/// When it cannot be read.
+fn wavefront(name: &str) -> Scene {
+    let file = root().join("tests/files/wavefront").join(name).with_extension("obj");
+    let scene = Scene::load(file).unwrap_or_else(|e| panic!("{e}"));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    scene
 }
 
 /// A rectangle from a corner along two edges; its front is the side of `u × v`.

@@ -6,7 +6,8 @@ use glam::{DVec3, Vec3};
 use jerboa_lib_render::host::tables::Choices;
 use jerboa_scenes::{Camera, Environment, LightKind, Material, Mesh, Scene};
 
-use super::{Closed, Look, inradius, light, place, rectangle, sphere};
+use super::{Closed, Look, inradius, light, place, rectangle, sphere, wavefront};
+use crate::sources::shared_scenes;
 
 /// Albedo of the floor, which is the first mesh of each scene of [`direct`].
 pub const ALBEDO: f32 = 0.5;
@@ -20,6 +21,7 @@ pub fn direct() -> Vec<Closed> {
         [20.0, 2.0, 1.0, 0.5, 0.3, 0.1, 0.05, 0.01, 1e-3].map(|h| lamp(&format!("at height {h}"), above(h), false)),
     );
     all.extend([1.0, 0.01].map(|h| lamp(&format!("in two halves at height {h}"), above(h), true)));
+    all.push(Closed { scene: wavefront("lamp"), ..lamp("of a Wavefront file", above(1.0), false) });
     let (needle, width) = ("a millionth wide", 1e-6);
     for (what, apart) in [(needle.to_string(), false), (format!("{needle}, in two halves"), true)] {
         all.push(lamp(&what, [Vec3::new(-0.5, 1.0, -0.5 * width), Vec3::X, Vec3::Z * width], apart));
@@ -222,7 +224,7 @@ fn wide_sun((angle, elevation): (f32, f64)) -> Closed {
     closed(format!("sun of {angle} radians at {elevation} degrees"), scene, looks)
 }
 
-/// A floor under each of the [`maps`].
+/// A floor under each of the [`maps`], and under a sky that somebody took.
 fn skies() -> Vec<Closed> {
     let sky = |(name, map): (&str, Environment)| {
         let mut scene = floor(8.0, ALBEDO);
@@ -231,7 +233,17 @@ fn skies() -> Vec<Closed> {
         let looks = vec![(origin(DVec3::new(0.0, 1.0, 1.0)), truth)];
         Closed { effort: 9, ..closed(format!("sky: {name}"), scene, looks) }
     };
-    maps().into_iter().map(sky).collect()
+    maps().into_iter().chain(real_sky()).map(sky).collect()
+}
+
+/// The sky of the breakfast room with its sun, its green for all channels, where the shared scenes are at hand.
+fn real_sky() -> Option<(&'static str, Environment)> {
+    let mut scene = Scene::default();
+    let file = shared_scenes()?.join("breakfast-room/env.hdr");
+    scene.set_environment(file, 1.0, 40.0).unwrap_or_else(|e| panic!("{e}"));
+    let mut map = scene.environment?;
+    map.radiance.iter_mut().for_each(|[r, g, b]| (*r, *b) = (*g, *g));
+    Some(("of the breakfast room", map))
 }
 
 /// Environment maps: uniform ones, single texels, rows at a pole, and maps of one column or row; turned by 40 degrees.
