@@ -13,8 +13,9 @@
 //! for coordinates. So a ray more often goes on with what lies next in memory, and a leaf lies beside its node: 20 % more
 //! bounce rays a second than with blocks in a table of their own.
 
+use super::collapse::Cuts;
 use super::pages::with_room;
-use super::tree::{Kind, NodeId, Tree};
+use super::tree::{NodeId, Tree};
 use super::{Bounds, MAX_LEAF, Triangle};
 use crate::schema::NONE;
 
@@ -177,38 +178,25 @@ impl LaidOut {
     }
 }
 
-/// Makes nodes of four from nodes of two: in place of the largest inner child come its own, until there are four. A subtree
-/// of at most four triangles is a leaf, and so is an instance.
+/// Makes nodes of four from nodes of two. A subtree of few triangles is a leaf, and so is an instance.
 pub(super) fn lay_out(tree: &Tree) -> LaidOut {
     let out = LaidOut { nodes: Vec::new(), order: Vec::new(), depth: 0, waiting: 0 };
-    let mut writer = Writer { tree, counts: tree.counts(), out };
-    writer.write(vec![tree.root()], 1, 0);
+    let mut writer = Writer { tree, cuts: Cuts::new(tree), out };
+    writer.write(tree.root(), 1, 0);
     writer.out
 }
 
 struct Writer<'a> {
     tree: &'a Tree,
-    /// Triangles below each node of the tree.
-    counts: Vec<usize>,
+    cuts: Cuts<'a, MAX_LEAF>,
     out: LaidOut,
 }
 
 impl Writer<'_> {
-    /// Writes a node over these subtrees, at this depth, while so many children wait; the recursion is as deep as the tree,
+    /// Writes a node over a subtree, at this depth, while so many children wait; the recursion is as deep as the tree,
     /// which is bounded.
-    fn write(&mut self, mut children: Vec<NodeId>, depth: usize, waiting: usize) -> u32 {
-        let area = |child: &NodeId| self.tree.bounds_of(*child).half_area();
-        while children.len() < 4 {
-            let inner = (0..children.len()).filter(|i| !self.is_leaf(children[*i]));
-            let Some(largest) = inner.max_by(|i, j| area(&children[*i]).total_cmp(&area(&children[*j]))) else { break };
-            let Kind::Inner(pair) = self.tree.kind_of(children.remove(largest)) else {
-                unreachable!("leaves are small")
-            };
-            children.extend(pair);
-        }
-        children.retain(|child| self.tree.count_of(&self.counts, *child) > 0);
-        children.sort_by(|a, b| area(b).total_cmp(&area(a)));
-
+    fn write(&mut self, top: NodeId, depth: usize, waiting: usize) -> u32 {
+        let children = self.cuts.children(top);
         let index = self.out.nodes.len();
         self.out.nodes.push(BvhNode::EMPTY);
         let waiting = waiting + children.len().saturating_sub(1);
@@ -216,7 +204,7 @@ impl Writer<'_> {
         self.out.waiting = self.out.waiting.max(waiting);
         for (lane, child) in children.iter().enumerate() {
             self.out.nodes[index].bounds[lane] = self.tree.bounds_of(*child);
-            if self.is_leaf(*child) {
+            if self.cuts.is_leaf(*child) {
                 let first = self.out.order.len() as u32;
                 self.tree.members(*child, &mut self.out.order);
                 let count = self.out.order.len() as u32 - first;
@@ -224,15 +212,11 @@ impl Writer<'_> {
             }
         }
         for (lane, child) in children.into_iter().enumerate() {
-            if !self.is_leaf(child) {
-                let below = self.write(vec![child], depth + 1, waiting);
+            if !self.cuts.is_leaf(child) {
+                let below = self.write(child, depth + 1, waiting);
                 self.out.nodes[index].child[lane] = ChildRef::Inner(below);
             }
         }
         index as u32
-    }
-
-    fn is_leaf(&self, node: NodeId) -> bool {
-        self.tree.count_of(&self.counts, node) <= MAX_LEAF
     }
 }

@@ -7,8 +7,9 @@
 //!    2017) where a rehearsal says that it will make progress;
 //! 3. `sah` splits where it would not, or where the tree came out too deep for the stack of a walk (the matched kitchen);
 //! 4. `median` splits at the median where that does not help: coincident triangles, sizes over many magnitudes;
-//! 5. `layout` makes nodes of four of nodes of two and writes them depth first, the larger child first;
-//! 6. `instances` puts trees into the leaves of a tree, where instances share their triangles.
+//! 5. `collapse` makes wide nodes of nodes of two, four children each for kernels, eight for the native walk;
+//! 6. `layout` writes them depth first, the larger child first;
+//! 7. `instances` puts trees into the leaves of a tree, where instances share their triangles.
 //!
 //! So the build ends on every input, in time n·log n but for `obvhs`' own, and its depth never exceeds [`MAX_DEPTH`].
 //!
@@ -28,6 +29,7 @@
 
 mod agglomerate;
 mod bounds;
+pub(super) mod collapse;
 mod instances;
 mod layout;
 mod median;

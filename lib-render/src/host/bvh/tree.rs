@@ -6,6 +6,13 @@ use super::{Bounds, MAX_LEAF};
 #[derive(Clone, Copy, Debug)]
 pub(in crate::host) struct NodeId(u32);
 
+impl NodeId {
+    /// Its place in what has an entry for each node.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// What a node stands for.
 pub(in crate::host) enum Kind {
     /// Two children.
@@ -47,6 +54,11 @@ impl Tree {
     fn push(&mut self, bounds: Bounds, kind: Kind) -> NodeId {
         self.nodes.push(Node { bounds, kind });
         NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    /// All nodes, children before parents.
+    pub fn nodes(&self) -> impl Iterator<Item = NodeId> {
+        (0..self.nodes.len() as u32).map(NodeId)
     }
 
     /// The node that was added last.
@@ -95,11 +107,6 @@ impl Tree {
             });
         }
         counts
-    }
-
-    /// What [`Tree::counts`] says of a node.
-    pub fn count_of(&self, counts: &[usize], node: NodeId) -> usize {
-        counts[node.0 as usize]
     }
 
     /// Appends the numbers of all boxes below a node, which are few.

@@ -1,8 +1,9 @@
 //! The tree of the native walk: nodes of eight boxes and leaves of eight triangles, each a few whole lines of the cache.
 
+use crate::host::bvh::collapse::Cuts;
 use crate::host::bvh::pages::with_room;
 use crate::host::bvh::prefilter::Usable;
-use crate::host::bvh::tree::{Kind, NodeId, Tree};
+use crate::host::bvh::tree::{NodeId, Tree};
 use crate::host::bvh::{Bounds, Triangle, first_that_fits};
 use crate::schema::NONE;
 
@@ -81,8 +82,7 @@ impl WideTree {
 
 struct Writer<'a> {
     tree: &'a Tree,
-    /// Boxes below each node of the tree.
-    counts: Vec<usize>,
+    cuts: Cuts<'a, WIDTH>,
     /// Of each box, the number of its triangle.
     numbers: &'a [u32],
     triangles: &'a [Triangle],
@@ -92,7 +92,7 @@ struct Writer<'a> {
 impl Writer<'_> {
     fn write(tree: &Tree, numbers: &[u32], triangles: &[Triangle], others: Bounds) -> WideTree {
         let out = WideTree { lines: Vec::new(), bounds: tree.bounds().union(&others), waiting: 0 };
-        let mut writer = Writer { tree, counts: tree.counts(), numbers, triangles, out };
+        let mut writer = Writer { tree, cuts: Cuts::new(tree), numbers, triangles, out };
         writer.leaf(&[]);
         writer.node(tree.root(), 0);
         let written = std::mem::take(&mut writer.out.lines);
@@ -104,21 +104,21 @@ impl Writer<'_> {
     /// Writes a node in place of a binary subtree, while so many children wait; the recursion is as deep as the tree, which is
     /// bounded.
     fn node(&mut self, top: NodeId, waiting: usize) -> u32 {
-        let children = self.children(top);
+        let children = self.cuts.children(top);
         let waiting = waiting + children.len().saturating_sub(1);
         self.out.waiting = self.out.waiting.max(waiting);
         let start = self.out.lines.len();
         self.out.lines.extend([Line([[0; WIDTH]; 2]); 4]);
         let mut references = [NOTHING; WIDTH];
         for (reference, child) in references.iter_mut().zip(&children) {
-            if self.is_leaf(*child) {
+            if self.cuts.is_leaf(*child) {
                 let mut members = Vec::new();
                 self.tree.members(*child, &mut members);
                 *reference = self.leaf(&members);
             }
         }
         for (reference, child) in references.iter_mut().zip(&children) {
-            if !self.is_leaf(*child) {
+            if !self.cuts.is_leaf(*child) {
                 *reference = self.node(*child, waiting);
             }
         }
@@ -133,28 +133,6 @@ impl Writer<'_> {
             self.out.lines[start + row / 2].0[row % 2] = if row < CHILDREN { planes(row) } else { rows(row) };
         }
         start as u32
-    }
-
-    /// The subtrees that become the children of a node: in place of the largest inner one come its own, until there are eight.
-    /// The larger come first.
-    fn children(&self, top: NodeId) -> Vec<NodeId> {
-        let area = |child: &NodeId| self.tree.bounds_of(*child).half_area();
-        let mut children = vec![top];
-        while children.len() < WIDTH {
-            let inner = (0..children.len()).filter(|i| !self.is_leaf(children[*i]));
-            let Some(largest) = inner.max_by(|i, j| area(&children[*i]).total_cmp(&area(&children[*j]))) else { break };
-            let Kind::Inner(pair) = self.tree.kind_of(children.remove(largest)) else {
-                unreachable!("leaves are small")
-            };
-            children.extend(pair);
-        }
-        children.retain(|child| self.tree.count_of(&self.counts, *child) > 0);
-        children.sort_by(|a, b| area(b).total_cmp(&area(a)));
-        children
-    }
-
-    fn is_leaf(&self, node: NodeId) -> bool {
-        self.tree.count_of(&self.counts, node) <= WIDTH
     }
 
     /// Writes a leaf.
