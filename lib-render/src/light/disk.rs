@@ -32,10 +32,9 @@ pub fn make_disk_light(row: Row<Lights>) -> Light {
             let distance = to.length_scaled();
             let wi = to / distance;
             let seen = seen(row, wi, distance);
-            let error = (position(row).abs().map(|x| x + row.get(Lights::RADIUS))) * F32::from(GAMMA_7);
             DirectLightSample {
                 wi,
-                pos: offset_point(place, error, first_edge(row), -to),
+                pos: offset_point(place, error(row), first_edge(row), -to),
                 distance,
                 intensity: seen.is_met.select(seen.radiance, black()),
                 pdf_dir: seen.is_met.select(seen.pdf_dir, F32::from(0.0)),
@@ -67,15 +66,23 @@ pub fn make_disk_light(row: Row<Lights>) -> Light {
     }
 }
 
-/// Where a ray (its direction unit) meets the disk from its front.
+/// Where a ray (its direction unit) meets the disk from its front. In the plane of a surface that is before the surface, as it is
+/// for light sampling: what only one of the two saw would have the weight of both.
 pub fn meet(row: Row<Lights>, org: Vec3, dir: Vec3) -> Met {
     let axis = first_edge(row);
     let to = position(row) - org;
-    let distance = axis.dot(to) / axis.dot(dir);
+    let cos = axis.dot(dir);
+    let distance = axis.dot(to) / cos;
     let radius = row.get(Lights::RADIUS);
     let off = (dir * distance - to) / radius;
     let met = seen(row, dir, distance);
-    Met { is_met: met.is_met & off.length2().le(1.0), ..met }
+    let before = distance + axis.abs().dot(error(row)) / cos;
+    Met { is_met: met.is_met & off.length2().le(1.0), distance: before.max(0.0), ..met }
+}
+
+/// Bound on the rounding of each coordinate of its points, m.
+fn error(row: Row<Lights>) -> Vec3 {
+    position(row).abs().map(|x| x + row.get(Lights::RADIUS)) * F32::from(GAMMA_7)
 }
 
 /// A point of the disk at this distance in this direction; met where it shines.

@@ -12,13 +12,9 @@ use glam::{DAffine3, DVec3};
 use jerboa_example_custom::lamp;
 use jerboa_ir::lang::{Buf, F32, Fun, entry};
 use jerboa_lib_render::host::ahead::texels;
-use jerboa_lib_render::host::edit::Part;
-use jerboa_lib_render::host::film::Film;
-use jerboa_lib_render::host::generate::TracerKind;
-use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::mis::power_heuristic;
 use jerboa_lib_render::schema::{LIGHT_POINT, LIGHT_QUAD, LightChoice, Lights, Settings, binding};
-use jerboa_scenes::{Camera, Environment, Light, LightKind, Material, Model, Scene};
+use jerboa_scenes::{Environment, Light, LightKind, Material, Model, Scene};
 use jerboa_tests::harness::analytic::{ALBEDO, Estimate, bound, direct, light, place, rectangle, sphere};
 use jerboa_tests::harness::bench::{Bench, Random, number, stream};
 use jerboa_tests::harness::chi2;
@@ -515,56 +511,6 @@ fn a_coat_dims_emission() {
         let from = [-dir[0] / cos * 0.1, 0.2, 0.0].map(|x| x as f32);
         let seen = probe.see(from, dir.map(|x| x as f32));
         assert!((f64::from(seen.radiance) / expected - 1.0).abs() < 1e-5, "cos {cos}: {seen:?}, not {expected}");
-    }
-}
-
-/// Lights with a size.
-const SIZED: [LightKind; 3] = [
-    LightKind::Sphere { radius: 0.3 },
-    LightKind::Disk { inner: 0.3, outer: 0.9, radius: 0.3 },
-    LightKind::Sun { angle: 0.5 },
-];
-
-/// Such a light over a floor, and a camera that does not see it.
-fn lit_floor(kind: LightKind) -> (Scene, Camera) {
-    let mut scene = Scene { lights: vec![light(kind, 1.0, 1.0)], ..Scene::default() };
-    let floor = rectangle(glam::vec3(-2.0, 0.0, -2.0), glam::Vec3::Z * 4.0, glam::Vec3::X * 4.0);
-    place(&mut scene, floor, Material::diffuse("floor", [0.5; 3]), 1.0, DVec3::ZERO);
-    (scene, Camera::look_at("low", DVec3::new(0.0, 0.5, 1.0), DVec3::ZERO, 0.4))
-}
-
-/// The light tracer starts its paths on lights with a size: its mean is that of the path tracer.
-#[test]
-fn paths_from_lights_with_a_size_bring_as_much() {
-    for kind in SIZED {
-        let (scene, camera) = lit_floor(kind);
-        let of = |tracer: TracerKind| {
-            let r = Renderer::new(&scene, Options { tracer, ..Options::default() }).unwrap_or_else(|e| panic!("{e}"));
-            mean((1..=16).map(|seed| {
-                let mut film = Film::of_size([16, 16]);
-                let job = Render { sample: 0, spp: 16, seed };
-                r.render_with(&camera, &mut film, job, &Handle::default()).unwrap_or_else(|e| panic!("{e}"));
-                film.mean().pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / 256.0
-            }))
-        };
-        let ((path, a), (light, b)) = (of(TracerKind::Path), of(TracerKind::Light));
-        println!("{kind:?}: {path:.5} ± {a:.5}, from the light {light:.5} ± {b:.5}; seeds 1 to 16");
-        assert!((path - light).abs() <= 4.0 * a.hypot(b) && b < 0.05 * path, "{kind:?}: {path} ± {a}, {light} ± {b}");
-    }
-}
-
-/// The bidirectional tracer does not know them, and says so: when it is made, and when such a light comes in by an edit.
-#[test]
-fn the_bidirectional_tracer_refuses_lights_with_a_size() {
-    let options = || Options { tracer: TracerKind::Bidirectional, ..Options::default() };
-    for kind in SIZED {
-        let (sized, _) = lit_floor(kind);
-        let (plain, _) = lit_floor(LightKind::Point);
-        let renderer = Renderer::new(&plain, options()).unwrap_or_else(|e| panic!("{e}"));
-        for refused in [Renderer::new(&sized, options()), renderer.edited(&sized, Part::Light(0)).map(|r| r.0)] {
-            let error = refused.err().expect("it is refused").to_string();
-            assert!(error.contains("the bidirectional tracer does not know lights with a size"), "{kind:?}: {error}");
-        }
     }
 }
 

@@ -10,6 +10,7 @@ mod mix;
 mod native;
 mod spawn;
 mod residual;
+mod sized;
 mod textures;
 mod traverse;
 mod watertight;
