@@ -120,10 +120,10 @@ impl Kernel<'_> {
     ///
     /// # Safety
     /// For each buffer that the kernel touches, `bindings` holds its memory: so many rows as it says, at least one for a
-    /// table, with a word for each column, aligned to 4 bytes, less than 2^32 words in all. While the kernel runs nobody writes to a table, nor to a
-    /// stream's words that the kernel touches, nor reads words that it writes; the memory of two bindings is disjoint
-    /// unless both are only read. Indices that the program reads unchecked are less than the number of rows. The calling
-    /// thread has [`crate::STACK_LIMIT`] bytes of stack left.
+    /// table, with a word for each column, aligned to 4 bytes, less than 2^32 words in all. While the kernel runs nobody
+    /// writes to a table, nor to a stream's words that the kernel touches, nor reads words that it writes; the memory of
+    /// two bindings is disjoint unless both are only read. Indices that the program reads unchecked are less than the
+    /// number of rows. The calling thread has [`crate::STACK_LIMIT`] bytes of stack left.
     pub unsafe fn call(&self, bindings: &[Binding], args: &[u32], results: &mut [u32]) -> Status {
         assert_eq!(args.len(), self.linked.args, "words of arguments of kernel `{}`", self.linked.report.name);
         assert_eq!(results.len(), self.linked.results, "words of results of kernel `{}`", self.linked.report.name);

@@ -521,6 +521,9 @@ fn warnings_are_lines_and_no_failure() {
     assert!(warnings.lines().all(|l| l.starts_with("jerboa: warning: ")), "{warnings}");
     assert!(warnings.contains("no triangles") && warnings.contains("no light"), "{warnings}");
     assert_eq!(mean(&Image::read(&desk.path().join("out.png")).expect("an image")), 0.0);
+    let lit = desk.run(&format!("{SMALL} builtin:empty --env sky:30"));
+    let warnings = String::from_utf8(lit.stderr).expect("text");
+    assert!(warnings.contains("no triangles") && !warnings.contains("no light"), "{warnings}");
 }
 
 #[test]

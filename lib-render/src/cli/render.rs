@@ -7,7 +7,7 @@ use super::args::{DeviceArg, RenderArgs};
 use super::goal::Goal;
 use super::in_pool;
 use super::progress::with_progress;
-use super::scene::{camera, choices, film_size, lens, load, set_environment};
+use super::scene::{camera, choices, film_size, lens, load_silently, say_warnings, set_environment};
 use crate::host::aov::{channels, components};
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
@@ -31,8 +31,9 @@ fn run_here(args: &RenderArgs) -> Result<String, Error> {
     if !args.shown.aov.is_empty() || args.part.variance {
         Image::check_layers(&args.output)?;
     }
-    let (mut scene, load_time) = load(&args.scene, &args.select)?;
+    let (mut scene, load_time) = load_silently(&args.scene, &args.select)?;
     set_environment(&mut scene, args)?;
+    say_warnings(&scene);
     let camera = lens(camera(&scene, args.camera.as_deref())?, args)?;
     let size = film_size(&camera, args.width, args.height);
     let window = window(args, size)?;

@@ -47,16 +47,26 @@ impl From<DeviceArg> for DeviceKind {
 
 /// Load what is asked for of a file whose models are all there, say its warnings on stderr, and how long it took.
 pub fn load(path: &str, select: &SelectArgs) -> Result<(Scene, Duration), Error> {
+    let (scene, time) = load_silently(path, select)?;
+    say_warnings(&scene);
+    Ok((scene, time))
+}
+
+/// Say on stderr what was wrong with a file and what its scene lacks now.
+pub fn say_warnings(scene: &Scene) {
+    for warning in scene.all_warnings() {
+        eprintln!("jerboa: warning: {warning}");
+    }
+}
+
+/// As [`load`], of a scene that is yet to get its environment: whether it lacks light is not known before.
+pub fn load_silently(path: &str, select: &SelectArgs) -> Result<(Scene, Duration), Error> {
     let SelectArgs { scene_of_file, variant, time, animation } = select.clone();
     let selection = Selection { scene: scene_of_file, variant, time, animation };
     let start = Instant::now();
     let scene = Scene::load_selected(path, &selection, &Limits::default()).map_err(|e| Error::new(e.to_string()))?;
     check_models(&scene, Library::standard().components())?;
-    let time = start.elapsed();
-    for warning in scene.all_warnings() {
-        eprintln!("jerboa: warning: {warning}");
-    }
-    Ok((scene, time))
+    Ok((scene, start.elapsed()))
 }
 
 /// Put the environment of the command line in place of the scene's, or change the scene's own.
