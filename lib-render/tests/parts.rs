@@ -84,21 +84,24 @@ fn what_is_summed_by_passes_is_in_the_right_groups() {
     assert!(whole.mean().pixels.iter().any(|p| p[0] > 0.0));
 }
 
+/// Whether their numbers are the same or go on.
 #[test]
 fn parts_of_other_seeds_are_more_samples() {
     let desk = Desk::new();
-    for seed in [1, 2] {
-        desk.ok(&format!("{SMALL} --seed {seed} --sample-range 0..8 --variance -o {seed}.exr"));
+    for (seed, range) in [(1, "0..8"), (2, "0..8"), (3, "8..16")] {
+        desk.ok(&format!("{SMALL} --seed {seed} --sample-range {range} --variance -o {seed}.exr"));
     }
-    let report = desk.ok("merge 1.exr 2.exr --json -o both.exr");
+    let report = desk.ok("merge 1.exr 2.exr 3.exr --json -o all.exr");
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
-    assert_eq!(report["spp"], 16);
-    assert_eq!(report["samples"], serde_json::json!(["0..8 of seed 1", "0..8 of seed 2"]));
+    assert_eq!(report["spp"], 24);
+    assert_eq!(report["samples"], serde_json::json!(["0..8 of seed 1", "0..8 of seed 2", "8..16 of seed 3"]));
     assert!(report["estimated_relmse"].as_f64() > Some(0.0), "{report}");
-    let [one, two, both] = ["1.exr", "2.exr", "both.exr"].map(|n| Image::read(&desk.path().join(n)).expect("an image"));
-    for ((a, b), mean) in one.pixels.iter().zip(&two.pixels).zip(&both.pixels) {
+    let read = |name: &str| Image::read(&desk.path().join(name)).expect("an image").pixels;
+    let (parts, all) = (["1.exr", "2.exr", "3.exr"].map(read), read("all.exr"));
+    for (i, mean) in all.iter().enumerate() {
         for c in 0..3 {
-            assert!(((a[c] + b[c]) / 2.0 - mean[c]).abs() <= 1e-6 * mean[c]);
+            let sum: f32 = parts.iter().map(|part| part[i][c]).sum();
+            assert!((sum / 3.0 - mean[c]).abs() <= 1e-6 * mean[c]);
         }
     }
 }
@@ -111,6 +114,7 @@ fn what_does_not_belong_together_is_refused_by_name() {
     };
     render("a", "0..4", "");
     render("overlap", "2..6", "");
+    render("one", "3..6", "");
     render("later", "8..9", "");
     render("wide", "4..5", "--width 22");
     render("crop", "4..5", "--crop 1,2,3,4");
@@ -124,6 +128,7 @@ fn what_does_not_belong_together_is_refused_by_name() {
     fs::write(desk.path().join("cut.exr"), &whole[..whole.len() / 2]).expect("written");
     let cases = [
         ("a overlap", "cannot add overlap.exr to a.exr: samples 2..4 of seed 0 are counted twice"),
+        ("a one", "cannot add one.exr to a.exr: samples 3..4 of seed 0 are counted twice"),
         ("a a", "cannot add a.exr to a.exr: samples 0..4 of seed 0 are counted twice"),
         ("later a", "samples 4..8 of seed 0 are in no part: render them, or put up with that by --gaps"),
         ("a wide", "cannot add wide.exr to a.exr: its film has 22x14 pixels, not 21x14"),

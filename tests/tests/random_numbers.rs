@@ -7,10 +7,12 @@
 //! JERBOA_NUMBERS=16777216 cargo test --release -p jerboa-tests --test random_numbers -- --nocapture neighbours
 //! ```
 
-use jerboa_ir::lang::U32;
-use jerboa_lib_render::core::rng::{hash, uniform};
-use jerboa_lib_render::tracer::light::LIGHT_STREAM;
-use jerboa_tests::harness::bench::number;
+use jerboa_ir::lang::{Fun, U32, entry};
+use jerboa_lib_render::core::rng::{Stream, hash, uniform};
+use jerboa_lib_render::schema::Frame;
+use jerboa_lib_render::tracer::bidirectional::make_light_side_tracer;
+use jerboa_lib_render::tracer::light::{LIGHT_STREAM, make_light_tracer};
+use jerboa_tests::harness::bench::{Bench, number};
 use jerboa_tests::harness::streams::{Battery, Streams, Walk, joint, judge, repeated, twins};
 use jerboa_tests::harness::sweep::Sweep;
 
@@ -51,6 +53,23 @@ fn paths_from_lights_have_streams_of_their_own() {
         repeated += words(walk).chunks(2).filter(|pair| !seen.insert([pair[0], pair[1]])).count();
     }
     assert_eq!(repeated, 0, "{pixels} pixels of {samples} samples");
+}
+
+/// And those are the streams that they ask for.
+#[test]
+fn paths_from_lights_ask_for_their_own_stream() {
+    let mut bench = Bench::new(|| {
+        entry("light", Fun::lam(|b, at: (U32, U32, U32)| make_light_tracer().on_emit.call(b, at).1.rng));
+        entry("light side", Fun::lam(|b, at: (U32, U32, U32)| make_light_side_tracer().on_emit.call(b, at).1.path.rng));
+        entry("stream", Fun::lam(|_, (seed, pixel, sample): (U32, U32, U32)| Stream::of(seed, pixel, sample)));
+    });
+    let (seed, width) = (7, 100);
+    bench.set(Frame::SEED, 0, seed);
+    bench.set(Frame::WIDTH, 0, width);
+    let expected = bench.run("stream", &[seed ^ LIGHT_STREAM, 2 * width + 3, 5]);
+    for tracer in ["light", "light side"] {
+        assert_eq!(bench.run_both(tracer, &[3, 2, 5]), expected, "{tracer}");
+    }
 }
 
 /// A stream of even step is at its start again after 2^31 numbers, or after 2^30, 2^29, … of them.

@@ -102,6 +102,33 @@ fn errors_of_direct_light_fall_faster() {
     }
 }
 
+/// In no scene does the variance of pixels fall slower than with independent numbers: a hundredth part of it is left by a hundred
+/// times the samples. So it is where the numbers of many vertices meet, or where a hole and each node of a tree of lights has a
+/// number of its own: what repeats itself there has another limit for each seed.
+#[test]
+fn errors_fall_wherever_numbers_meet() {
+    const SIDE: u32 = 12;
+    let seeds = number("JERBOA_RENDERS", 16) as u32;
+    for name in ["cornell-box", "alpha", "many-lights"] {
+        let scene = load(name);
+        let camera = scene.camera_or_default();
+        let r = renderer(&scene, options(ONE_SEQUENCE));
+        let variance = |spp: u32| {
+            let image = |seed| {
+                let mut film = Film::of_size([SIDE, SIDE]);
+                render(&r, &camera, &mut film, Render { sample: 0, spp, seed });
+                film.mean().pixels
+            };
+            let images: Vec<_> = (0..seeds).map(image).collect();
+            let pixel = |i: usize| mean(images.iter().map(|image| f64::from(image[i][1]))).1.powi(2);
+            (0..(SIDE * SIDE) as usize).map(pixel).sum::<f64>()
+        };
+        let left = variance(400) / variance(4);
+        println!("{name}: {left:.5} of the variance is left; seeds 0 to {seeds}");
+        assert!(left < 0.013, "{name}: {left} of the variance is left");
+    }
+}
+
 /// The variance of the mean of all samples of a pixel, over seeds, is what the spread of the means of its eight sequences says; the
 /// spread of its samples says much more.
 #[test]

@@ -400,6 +400,9 @@ mod tests {
         film.add([0, 0], [RANGE, -RANGE, -0.5]);
         assert_eq!((film.dropped(), film.count([0, 0])), (5, 1));
         assert_eq!(film.mean().pixels, [[RANGE, -RANGE, -0.5]]);
+        let part = film.clone();
+        film.merge(&part).expect("the same window");
+        assert_eq!((film.dropped(), film.count([0, 0])), (10, 2), "a part's are counted too");
     }
 
     #[test]

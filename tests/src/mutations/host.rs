@@ -18,6 +18,70 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         after: "{ self.dropped += 1; self.pixels[index].count += 1 }",
         mistake: "a sample that is thrown away counts, as black",
     },
+    // ---- parts, and noise
+    Mutation {
+        name: "drops-of-parts-forgotten",
+        file: "lib-render/src/host/film.rs",
+        before: "self.dropped += part.dropped",
+        after: "()",
+        mistake: "what other parts dropped is forgotten",
+    },
+    Mutation {
+        name: "parts-in-the-first-group",
+        file: "lib-render/src/host/film.rs",
+        before: "(row / height) as u32",
+        after: "0",
+        mistake: "all groups of a part are added to the first",
+    },
+    Mutation {
+        name: "one-group-has-all",
+        file: "lib-render/src/host/film.rs",
+        before: "(number & (self.groups - 1)) as usize",
+        after: "0",
+        mistake: "samples are not kept apart in groups",
+    },
+    Mutation {
+        name: "a-sample-in-two-parts",
+        file: "lib-render/src/host/origin.rs",
+        before: "pair[1].first < pair[0].end",
+        after: "pair[1].first + 1 < pair[0].end",
+        mistake: "parts that have one sample in common are added up",
+    },
+    Mutation {
+        name: "seeds-run-together",
+        file: "lib-render/src/host/origin.rs",
+        before: "span.seed == next.seed && span.end == next.first",
+        after: "span.end == next.first",
+        mistake: "samples of another seed go on where those of one end",
+    },
+    Mutation {
+        name: "gaps-are-not-seen",
+        file: "lib-render/src/cli/merge.rs",
+        before: "sum.origin.gap().filter(|_| !args.gaps)",
+        after: "None",
+        mistake: "parts with others missing between them make an image",
+    },
+    Mutation {
+        name: "variance-over-all-groups",
+        file: "lib-render/src/host/variance.rs",
+        before: "groups().count() as f64 - 1.0",
+        after: "groups().count() as f64",
+        mistake: "a variance is told from its own mean, and divided by all",
+    },
+    Mutation {
+        name: "rare-samples-divide-by-themselves",
+        file: "lib-render/src/host/variance.rs",
+        before: "filled * quotient(None) - (filled - 1.0) * without_one",
+        after: "quotient(None)",
+        mistake: "the estimated error divides by an estimate as if it was right: too small where it matters",
+    },
+    Mutation {
+        name: "noise-looked-at-after-each-pass",
+        file: "lib-render/src/cli/goal.rs",
+        before: "is_look && relative_error(film) <= target",
+        after: "relative_error(film) <= target",
+        mistake: "a render stops at the first pass that seems good by chance, and elsewhere with other passes",
+    },
     // ---- tables
     Mutation {
         name: "classes-ignore-a-column",
@@ -46,6 +110,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         before: "self.0.len() - run.len()",
         after: "self.0.len() - run.len() + 1",
         mistake: "a model reads its numbers from the second on",
+    },
+    Mutation {
+        name: "sun-by-its-radius",
+        file: "lib-render/src/host/tables/punctual.rs",
+        before: "2.0 * (f64::from(angle) / 4.0).sin().powi(2)",
+        after: "2.0 * (f64::from(angle) / 2.0).sin().powi(2)",
+        mistake: "the angle across the sun is taken for that from its middle to the rim",
+    },
+    Mutation {
+        name: "lights-stay-behind",
+        file: "lib-render/src/host/tables/punctual.rs",
+        before: "light.position() - self.origin",
+        after: "light.position()",
+        mistake: "lights stay where they are when the scene is moved to its middle",
     },
     // ---- loader
     Mutation {
@@ -82,6 +160,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         before: "l * share * scale",
         after: "l * scale",
         mistake: "each texel that the sun's disk touches is as bright as the disk",
+    },
+    Mutation {
+        name: "radius-is-a-diameter",
+        file: "scenes/src/gltf/light.rs",
+        before: "LightKind::Sphere { radius }",
+        after: "LightKind::Sphere { radius: radius / 2.0 }",
+        mistake: "`extras.radius` of a point light is read as what is across",
+    },
+    Mutation {
+        name: "angle-from-the-middle",
+        file: "scenes/src/gltf/light.rs",
+        before: "LightKind::Sun { angle }",
+        after: "LightKind::Sun { angle: 2.0 * angle }",
+        mistake: "`extras.angle` of a directional light is read as that from its middle",
     },
     // ---- devices
     Mutation {

@@ -68,6 +68,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         mistake: "a coat weighs what is under it by the viewer's angle alone, as the extension's text does: not reciprocal",
     },
     Mutation {
+        name: "coat-lets-all-emission-through",
+        file: "lib-render/src/lobes.rs",
+        before: "light * is_inside.select(1.0.into(), passed(strength, cos.abs()))",
+        after: "light",
+        mistake: "what is under a coat shines as if there was none",
+    },
+    Mutation {
         name: "sheen-takes-nothing",
         file: "lib-render/src/bsdf/sheen.rs",
         before: "1.0 - most * albedo(wi).max(albedo(wo))",
