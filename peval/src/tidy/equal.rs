@@ -55,6 +55,14 @@ fn hash_of(x: impl Hash) -> u64 {
     hasher.finish()
 }
 
+/// Likewise of something and of the words after it.
+fn hash_words(first: impl Hash, words: impl Iterator<Item = u64>) -> u64 {
+    let mut hasher = FxHasher::default();
+    first.hash(&mut hasher);
+    words.for_each(|x| hasher.write_u64(x));
+    hasher.finish()
+}
+
 /// A hash of each continuation that equal ones share.
 fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
     let p = draft.p();
@@ -64,8 +72,8 @@ fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
         nodes.push(match node {
             Node::Lit(lit) => hash_of(lit),
             Node::Param { index, .. } => hash_of(index),
-            Node::Prim { op, args } => hash_of((op, args[..op.arity()].iter().map(get).collect::<Vec<_>>())),
-            Node::Pack(lanes) => hash_of(lanes.iter().map(get).collect::<Vec<_>>()),
+            Node::Prim { op, args } => hash_words(op, args[..op.arity()].iter().map(get)),
+            Node::Pack(lanes) => hash_words(lanes.len(), lanes.iter().map(get)),
             Node::Lane { vector, lane } => hash_of((get(vector), lane)),
             Node::Read { column, index } => hash_of((column, get(index))),
             _ => 0,
@@ -73,9 +81,10 @@ fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
     }
     let mut hashes = vec![0; p.conts.len()];
     for c in order {
-        let mut all = vec![p.cont(*c).params.len() as u64, kind(draft.body(*c))];
-        draft.body(*c).operands(&mut |x| all.push(nodes[x.index()]));
-        hashes[c.index()] = hash_of(all);
+        let mut hasher = FxHasher::default();
+        (p.cont(*c).params.len(), kind(draft.body(*c))).hash(&mut hasher);
+        draft.body(*c).operands(&mut |x| hasher.write_u64(nodes[x.index()]));
+        hashes[c.index()] = hasher.finish();
     }
     // Once a round tells no more of them apart, none will (Moore, *Gedanken-experiments on sequential machines*, 1956).
     let mut told_apart = 0;
@@ -87,9 +96,14 @@ fn refine(draft: &Draft, order: &[ContId]) -> Vec<u64> {
         told_apart = distinct;
         let mut next = hashes.clone();
         for c in order {
-            let mut all = vec![hashes[c.index()]];
-            draft.body(*c).operands(&mut |x| all.extend(draft.cont_of(x).map(|to| hashes[to.index()])));
-            next[c.index()] = hash_of(all);
+            let mut hasher = FxHasher::default();
+            hasher.write_u64(hashes[c.index()]);
+            draft.body(*c).operands(&mut |x| {
+                if let Some(to) = draft.cont_of(x) {
+                    hasher.write_u64(hashes[to.index()]);
+                }
+            });
+            next[c.index()] = hasher.finish();
         }
         hashes = next;
     }
