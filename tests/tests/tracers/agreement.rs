@@ -50,6 +50,17 @@ fn is_long() -> bool {
     number("JERBOA_BLOCKS", 0) >= MANY
 }
 
+/// Pixels on a side of the film.
+pub fn side() -> u32 {
+    BLOCK * number("JERBOA_BLOCKS", MANY / 2) as u32
+}
+
+/// The luminance alone.
+pub fn grey(mut image: Image) -> Image {
+    image.pixels.iter_mut().for_each(|p| *p = [luminance(*p) as f32; 3]);
+    image
+}
+
 /// What 100 blocks may show. One is expected beyond the quantile, 7 in 1 of 12,000 comparisons; the rms of their z is 1.03 ±
 /// .08.
 fn quick(t13: &T13) -> bool {
@@ -72,13 +83,9 @@ impl<'a> Case<'a> {
 
     /// Renders of a tracer, grey, under seeds from this one on.
     fn images(&self, tracer: TracerKind, [count, first]: [u32; 2]) -> Vec<Image> {
-        let side = BLOCK * number("JERBOA_BLOCKS", MANY / 2) as u32;
+        let side = side();
         let spp = number("JERBOA_SPP", 1) as u32 * self.effort;
         let (renderer, camera) = (renderer(self.scene, tracer, self.choices), self.scene.camera_or_default());
-        let grey = |mut image: Image| {
-            image.pixels.iter_mut().for_each(|p| *p = [luminance(*p) as f32; 3]);
-            image
-        };
         (first..first + count).map(|seed| grey(image(&renderer, &camera, [side; 2], spp, seed))).collect()
     }
 
@@ -93,26 +100,30 @@ impl<'a> Case<'a> {
             return;
         }
         let [count, of_reference] = RENDERS;
-        let (mean, variance) = mean_and_variance(&reference.images(TracerKind::Path, [of_reference, 1000]));
+        let expected = mean_and_variance(&reference.images(TracerKind::Path, [of_reference, 1000]));
         let fault = |tracer: &TracerKind| {
-            let found = compare(&self.images(*tracer, [count, 1]), &mean, Some(&variance));
-            let t13 = found.unwrap_or_else(|e| panic!("{e}")).t13.expect("there are enough renders");
-            let T13 { rms_z, blocks_beyond, max_z, mean_sigmas, .. } = t13;
-            let figures = format!(
-                "rms z {rms_z:.2}, beyond {:.1} %, largest {max_z:.1}, mean {mean_sigmas:+.1}",
-                100.0 * blocks_beyond
-            );
-            let line = format!("{:<24} {:<14} {figures}", self.name, tracer.kernel());
-            println!("{line}");
-            let agrees = if is_long() { t13.pass } else { quick(&t13) };
-            (!agrees).then_some(line)
+            let what = format!("{:<24} {}", self.name, tracer.kernel());
+            fault(&what, &self.images(*tracer, [count, 1]), &expected)
         };
         assert_eq!(tracers.iter().filter_map(fault).collect::<Vec<_>>(), [""; 0]);
     }
 }
 
+/// What is wrong with renders that should have this mean, whose variance is beside it.
+pub fn fault(what: &str, renders: &[Image], (mean, variance): &(Image, Image)) -> Option<String> {
+    let found = compare(renders, mean, Some(variance)).unwrap_or_else(|e| panic!("{e}"));
+    let t13 = found.t13.expect("there are enough renders");
+    let T13 { rms_z, blocks_beyond, max_z, mean_sigmas, .. } = t13;
+    let figures =
+        format!("rms z {rms_z:.2}, beyond {:.1} %, largest {max_z:.1}, mean {mean_sigmas:+.1}", 100.0 * blocks_beyond);
+    let line = format!("{what:<39} {figures}");
+    println!("{line}");
+    let agrees = if is_long() { t13.pass } else { quick(&t13) };
+    (!agrees).then_some(line)
+}
+
 /// The mean of some images, and the variance of it, per pixel and channel.
-fn mean_and_variance(images: &[Image]) -> (Image, Image) {
+pub fn mean_and_variance(images: &[Image]) -> (Image, Image) {
     let (mean, n) = (mean_image(images), images.len() as f32);
     let spread = |i: usize, c: usize| {
         let square = |image: &Image| (image.pixels[i][c] - mean.pixels[i][c]).powi(2);

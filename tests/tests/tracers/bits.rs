@@ -1,4 +1,4 @@
-//! What changes no bit of a picture (Law 9, T21), and that all of its samples are numbers (T22).
+//! What changes no bit of a picture (Law 9, T11, T15, T21), and that all of its samples are numbers (T22).
 
 use glam::{DVec3, Vec3};
 use jerboa_ir::print;
@@ -10,6 +10,7 @@ use jerboa_lib_render::host::tables::{Choices, Known};
 use jerboa_scenes::{Camera, Lens, LightKind, Material, Scene, builtin};
 use jerboa_tests::harness::analytic::{light, place, rectangle, sphere};
 use jerboa_tests::harness::bench::number;
+use jerboa_tests::harness::metamorphic::{dyadic, scaled, translated};
 
 use crate::{LIGHT_SIDES, absorbing, image, load, renderer};
 
@@ -45,6 +46,23 @@ fn splats_do_not_depend_on_how_the_work_is_cut() {
             let [x, y] = [i as u32 % window.width + window.x, i as u32 / window.width + window.y];
             assert_eq!(*pixel, whole.pixels[(y * 24 + x) as usize], "{}: {x},{y}", tracer.kernel());
         }
+    }
+}
+
+/// T15, and T11 of size: neither where a scene stands nor how large it is changes a bit of what any tracer shows, but for distances,
+/// which are as large as it is. As for the path tracer, `tests/tests/metamorphic.rs`.
+#[test]
+fn no_bit_tells_where_a_scene_stands_or_its_size() {
+    let choices = Choices { most_copies: 0, ..Choices::default() };
+    for tracer in TracerKind::ALL.into_iter().filter(|tracer| *tracer != TracerKind::Path) {
+        let seen =
+            |scene: &Scene| image(&renderer(scene, tracer, choices), &scene.camera_or_default(), [24, 24], 2, 15);
+        let here = seen(&dyadic());
+        let something = here.pixels.iter().filter(|p| **p != [0.0; 3]).count();
+        assert!(something > 50, "{}: {something} pixels show something", tracer.kernel());
+        assert!(seen(&translated(&dyadic(), 1_048_576.0)) == here, "{}, moved", tracer.kernel());
+        let shows_distance = [TracerKind::Depth, TracerKind::AovPlace].contains(&tracer);
+        assert!(shows_distance || seen(&scaled(&dyadic(), 13)) == here, "{}, scaled", tracer.kernel());
     }
 }
 

@@ -1,12 +1,15 @@
-//! The tracers beside the path tracer: light transport from the lights, alone and from both sides, and ambient occlusion.
+//! The tracers beside the path tracer: light transport from the lights, alone and from both sides, and ambient occlusion. And the
+//! cameras beside the pinhole.
 //!
 //! * [`agreement`]: they agree with the path tracer (T13),
+//! * [`lenses`]: what lenses show agrees with what pinholes do (T13),
 //! * [`closed`]: closed forms (T4, T16), with and without what absorbs, and nothing through a closed wall (T19),
 //! * [`bits`]: what changes no bit (T21), and that every sample of the built-in scenes is a number (T22).
 
 mod agreement;
 mod bits;
 mod closed;
+mod lenses;
 
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::generate::TracerKind;
