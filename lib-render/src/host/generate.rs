@@ -97,6 +97,11 @@ impl TracerKind {
         TracerKind::SPLATTING.contains(&self)
     }
 
+    /// May its paths start at lights? A user's may.
+    pub fn may_start_at_lights(self) -> bool {
+        self.is_splatting() || matches!(self, TracerKind::Own(_))
+    }
+
     /// The device that runs it where this one is asked for: another one of the CPU if this one cannot.
     ///
     /// # Errors

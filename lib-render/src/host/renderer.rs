@@ -219,6 +219,8 @@ impl Renderer {
             DeviceKind::Cpu => options.traversal,
             _ => Traversal::Ir,
         };
+        let whole_sky = options.choices.whole_sky || options.tracer.may_start_at_lights();
+        let options = Options { choices: Choices { whole_sky, ..options.choices }, ..options };
         let lay_out = || (Tables::of(library, scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
         let ((tables, laid_out), _) = rayon::join(lay_out, || _ = library.generic(options.device, options.tracer));

@@ -15,7 +15,7 @@ use super::punctual::{self, Place};
 use crate::components::Components;
 use crate::host::alias::{log_slots, slots};
 use crate::host::bvh::{Triangle, can_be_hit};
-use crate::host::distribution::{Distribution1D, Distribution2D};
+use crate::host::distribution::{Distribution1D, Distribution2D, Share};
 use crate::host::image_io::{Image, luminance};
 use crate::schema::Lights as L;
 use crate::schema::*;
@@ -331,8 +331,9 @@ fn write(row: &mut RowMut<L>, scene: &Scene, place: Place, kind: &Kind) {
     }
 }
 
-/// The environment's tables: the row, texels, and what draws one of them.
-pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
+/// The environment's tables: the row, texels, and what draws one of them; see
+/// [`Choices::whole_sky`](super::Choices::whole_sky).
+pub fn environment(environment: Option<&Environment>, whole_sky: bool) -> [Memory; 4] {
     use crate::schema::Environment as E;
     let mut row = Table::<E>::new();
     let mut texels = Table::<EnvironmentTexels>::new();
@@ -349,7 +350,7 @@ pub fn environment(environment: Option<&Environment>) -> [Memory; 4] {
             .set(E::INTENSITY, e.intensity)
             .set_all([E::ROTATION_COS, E::ROTATION_SIN], [cos as f32, sin as f32]);
         let image = Image { width: e.width, height: e.height, pixels: e.radiance.clone() };
-        let distribution = Distribution2D::environment(&image);
+        let distribution = Distribution2D::environment(&image, if whole_sky { Share::Whole } else { Share::Uncovered });
         // du dv = dω / (2π² sin θ).
         let jacobian = width as f64 * height as f64 / (2.0 * std::f64::consts::PI.powi(2));
         texels = Table::with_rows(width * height);

@@ -82,6 +82,9 @@ pub struct Choices {
     /// own? So glTF has it for rasterisers; a surface then has another side for a ray than for the one back, so no path that
     /// starts at a light can be followed.
     pub cull_back_faces: bool,
+    /// Draw the environment's texels by all of their light, not by what a BSDF's samples leave of it. The same image on average; a
+    /// renderer of paths that start at lights chooses it, since nothing else finds their light.
+    pub whole_sky: bool,
 }
 
 impl Default for Choices {
@@ -98,6 +101,7 @@ impl Default for Choices {
             solid_angle: false,
             sampler: SamplerKind::default(),
             cull_back_faces: false,
+            whole_sky: false,
         }
     }
 }
@@ -217,7 +221,7 @@ impl Tables {
         put(binding::<LightTree>(), lights.tree);
         put(binding::<SeenLights>(), lights.seen);
         put(binding::<Models>(), models::list(scene, components.models(), lights.counts));
-        let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref());
+        let [row, texels, columns, rows] = lights::environment(scene.environment.as_ref(), choices.whole_sky);
         put(binding::<Environment>(), row);
         put(binding::<EnvironmentTexels>(), texels);
         put(binding::<EnvironmentColumns>(), columns);
