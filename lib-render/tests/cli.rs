@@ -349,7 +349,7 @@ fn bench_stability_tells_speed_and_error_and_shows_pictures() {
         desk.json("bench stability --scene pinpoint-lamp builtin:empty --spp 4 --threads 1 --json -o sheet.png");
     let [lamp, empty] = &report.as_array().expect("a list")[..] else { panic!("two scenes: {report}") };
     assert_eq!((lamp["scene"].as_str(), empty["scene"].as_str()), (Some("pinpoint-lamp"), Some("empty")));
-    let expected = "dropped_samples mean naive non_finite_pixels pass purpose rays_per_sample rays_per_second reference relative \
+    let expected = "beside dropped_samples mean naive non_finite_pixels pass purpose rays_per_sample rays_per_second reference relative \
                     samples samples_per_second scene seconds sigmas standard_error";
     assert_eq!(keys(lamp), expected.split_whitespace().collect::<Vec<_>>());
     assert_eq!(keys(&lamp["reference"]), ["mean", "source", "spp", "standard_error"]);
@@ -365,8 +365,10 @@ fn bench_stability_tells_speed_and_error_and_shows_pictures() {
     let sheet = Image::read(&desk.path().join("sheet.png")).expect("an image");
     assert!(sheet.width > 2 * 108 && sheet.height > 108 && mean(&sheet) > 0.02, "{}x{}", sheet.width, sheet.height);
     let table = desk.ok("bench stability --scene tiny --spp 4");
-    assert_eq!(table.lines().count(), 2, "{table}");
+    assert_eq!(table.lines().count(), 6, "{table}");
     assert!(table.lines().nth(1).is_some_and(|l| l.starts_with("tiny ") && l.ends_with("pass")), "{table}");
+    let beside = table.lines().last().is_some_and(|l| l.starts_with("tiny ") && l.ends_with("--ray-offset 0.001"));
+    assert!(beside, "{table}");
 }
 
 #[test]

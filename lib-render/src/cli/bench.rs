@@ -11,7 +11,7 @@ use super::in_pool;
 use crate::host::error::Error;
 use crate::host::image_io::Image;
 use crate::host::sheet::{Tile, contact_sheet};
-use crate::host::stability::{Outcome, measure};
+use crate::host::stability::{Outcome, measure, measure_beside, naive};
 
 /// Columns of the contact sheet.
 const COLUMNS: u32 = 7;
@@ -24,6 +24,15 @@ struct Row {
     builtin: &'static Builtin,
     hard: Hard,
     outcome: Outcome,
+    /// By these words, which a naive renderer has no other than.
+    naive: Option<(&'static str, Outcome)>,
+}
+
+impl Row {
+    /// Time for a sample over that of the naive renderer: what its remedy costs.
+    fn cost(&self, naive: &Outcome) -> f64 {
+        self.outcome.batch_time.as_secs_f64() / naive.batch_time.as_secs_f64().max(f64::MIN_POSITIVE)
+    }
 }
 
 /// Renders the gallery of hard cases, writes the contact sheet if asked, and returns the table and the names of the scenes
@@ -35,8 +44,12 @@ pub(super) fn stability(args: &StabilityArgs) -> Result<(String, Vec<&'static st
     let chosen = chosen(&args.scene)?;
     let measure = |(builtin, hard): (&'static Builtin, Hard)| {
         let scene = Scene::load(format!("builtin:{}", builtin.name)).map_err(|e| Error::new(e.to_string()))?;
-        let outcome = measure(&scene, &hard.reference, args.spp, args.seed)?;
-        Ok(Row { builtin, hard, outcome })
+        let Some((words, choices)) = naive(builtin.name) else {
+            let outcome = measure(&scene, &hard.reference, args.spp, args.seed)?;
+            return Ok(Row { builtin, hard, outcome, naive: None });
+        };
+        let [outcome, naive] = measure_beside(&scene, &hard.reference, args.spp, args.seed, choices)?;
+        Ok(Row { builtin, hard, outcome, naive: Some((words, naive)) })
     };
     let rows: Vec<Row> = in_pool(args.threads, || chosen.into_iter().map(measure).collect::<Result<_, Error>>())?;
     if let Some(path) = &args.output {
@@ -72,6 +85,13 @@ fn as_json(rows: &[Row]) -> String {
             "scene": r.builtin.name,
             "purpose": r.builtin.purpose,
             "naive": r.hard.naive,
+            "beside": r.naive.as_ref().map(|(words, naive)| json!({
+                "words": words,
+                "time_ratio": r.cost(naive),
+                "relative": naive.relative,
+                "sigmas": naive.sigmas,
+                "standard_error": naive.standard_error,
+            })),
             "samples": o.samples,
             "seconds": o.time.as_secs_f64(),
             "samples_per_second": o.samples_per_second(),
@@ -120,6 +140,25 @@ fn as_text(rows: &[Row]) -> String {
         if !o.passes() {
             writeln!(text, "    a naive renderer {}", r.hard.naive).expect("a string takes it");
         }
+    }
+    text + &beside(rows)
+}
+
+/// What remedies cost and bring, where their lack is a matter of words.
+fn beside(rows: &[Row]) -> String {
+    let mut text = String::new();
+    for (r, words, naive) in rows.iter().filter_map(|r| r.naive.as_ref().map(|(words, naive)| (r, words, naive))) {
+        if text.is_empty() {
+            text.push_str("\nBeside a naive renderer, in turns: time per sample over its time, and how far off each is (standard error)\n");
+            text.push_str("scene             time      by default                naively               naively is\n");
+        }
+        let relative = |o: &Outcome| {
+            let scale = if r.hard.reference.mean == 0.0 { 1.0 } else { r.hard.reference.mean };
+            format!("{:+.1e} ({:.1e})", o.relative, o.standard_error / scale)
+        };
+        let (ours, theirs) = (relative(&r.outcome), relative(naive));
+        writeln!(text, "{:<15} {:>6.2}  {ours:<24}  {theirs:<20}  {words}", r.builtin.name, r.cost(naive))
+            .expect("a string takes it");
     }
     text
 }

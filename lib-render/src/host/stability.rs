@@ -6,6 +6,9 @@
 //! of the reference included, with [`ROUNDING`] of the reference granted as one more for what single precision rounds. A
 //! scene passes if it is at most [`MOST_SIGMAS`] off, no sample was dropped and no pixel is not a number. By chance a right
 //! renderer fails a scene in one of 16,000 trials with another seed.
+//!
+//! Where what a naive renderer does instead is a choice of ours too ([`naive`]), both are rendered in turn, batch by batch: then
+//! the medians of their times say what the remedy costs, and their errors what it buys.
 
 use std::time::Duration;
 
@@ -16,6 +19,7 @@ use super::error::Error;
 use super::film::Film;
 use super::image_io::{Image, luminance};
 use super::renderer::{Handle, Options, Render, Renderer, Stats};
+use super::tables::Choices;
 
 /// Batches of samples, whose spread tells the standard error.
 pub const BATCHES: u32 = 4;
@@ -47,6 +51,8 @@ pub struct Outcome {
     pub rays: u64,
     /// Time of rendering alone.
     pub time: Duration,
+    /// The median of the times of the batches.
+    pub batch_time: Duration,
     /// Samples that were not finite or out of the film's range.
     pub dropped: u64,
     /// Pixels with a channel that is not finite.
@@ -72,42 +78,116 @@ impl Outcome {
     }
 }
 
+/// What a naive renderer does in a scene of the gallery, where it takes no more than other words of `jerboa render`: these words,
+/// and the choices that they stand for.
+pub fn naive(scene: &str) -> Option<(&'static str, Choices)> {
+    let all = Choices::default();
+    Some(match scene {
+        "tiny" => ("--ray-offset 0.001", Choices { ray_offset: 1e-3, ..all }),
+        "closed-box-80" | "facing-mirrors" | "glass-trap" => ("--max-depth 8", Choices { max_depth: Some(8), ..all }),
+        "closed-box-90" => ("--rr-depth 1 --rr-cap 0.75", Choices { rr_depth: Some(1), rr_cap: 0.75, ..all }),
+        "closed-box-95" => (
+            "--rr-depth 1 --rr-cap 0.75 --max-depth 64",
+            Choices { rr_depth: Some(1), rr_cap: 0.75, max_depth: Some(64), ..all },
+        ),
+        "closed-box-99" => ("--rr-cap 0.95", Choices { rr_cap: 0.95, ..all }),
+        "white-box" => ("--max-depth 64", Choices { max_depth: Some(64), ..all }),
+        _ => return None,
+    })
+}
+
 /// Renders a scene with `spp` samples per pixel, rounded up to a multiple of [`BATCHES`].
 ///
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render_with`].
 pub fn measure(scene: &Scene, reference: &Reference, spp: u32, seed: u32) -> Result<Outcome, Error> {
+    let [outcome] = in_turn(scene, reference, spp, seed, [Choices::default()])?;
+    Ok(outcome)
+}
+
+/// The same, and beside it by other choices.
+///
+/// # Errors
+/// As [`measure`].
+pub fn measure_beside(
+    scene: &Scene,
+    reference: &Reference,
+    spp: u32,
+    seed: u32,
+    other: Choices,
+) -> Result<[Outcome; 2], Error> {
+    in_turn(scene, reference, spp, seed, [Choices::default(), other])
+}
+
+/// Renders batch by batch, by each of these choices in turn.
+fn in_turn<const N: usize>(
+    scene: &Scene,
+    reference: &Reference,
+    spp: u32,
+    seed: u32,
+    choices: [Choices; N],
+) -> Result<[Outcome; N], Error> {
     let camera = scene.camera_or_default();
-    let renderer = Renderer::new(scene, Options { seed, ..Options::default() })?;
     let size = film_size(&camera);
     let batch_spp = spp.div_ceil(BATCHES);
-    let (mut film, mut batches) = (Film::of_size(size), Vec::new());
-    let (mut rays, mut time) = (0, Duration::ZERO);
+    let run = |choices| {
+        let renderer = Renderer::new(scene, Options { seed, choices, ..Options::default() })?;
+        Ok(Run { renderer, film: Film::of_size(size), batches: Vec::new(), rays: 0, times: Vec::new() })
+    };
+    let mut runs = choices.into_iter().map(run).collect::<Result<Vec<Run>, Error>>()?;
     for batch in 0..BATCHES {
-        let mut part = Film::of_size(size);
-        let job = Render { sample: batch * batch_spp, spp: batch_spp, seed };
-        let Stats { closest_rays, shadow_rays, time: spent, .. } =
-            renderer.render_with(&camera, &mut part, job, &Handle::default())?;
-        rays += closest_rays + shadow_rays;
-        time += spent;
-        film.merge(&part)?;
-        batches.push(part.mean());
+        for run in &mut runs {
+            run.batch(&camera, Render { sample: batch * batch_spp, spp: batch_spp, seed })?;
+        }
     }
-    let picture = film.mean();
-    let (mean, standard_error) = estimate(&batches);
-    let off = mean - reference.mean;
-    Ok(Outcome {
-        mean,
-        standard_error,
-        sigmas: sigmas(off, standard_error, reference),
-        relative: if reference.mean == 0.0 { off } else { off / reference.mean },
-        samples: u64::from(BATCHES * batch_spp) * picture.pixels.len() as u64,
-        rays,
-        time,
-        dropped: film.dropped(),
-        non_finite: picture.pixels.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count(),
-        picture,
-    })
+    let samples = u64::from(BATCHES * batch_spp) * u64::from(size[0]) * u64::from(size[1]);
+    let outcomes = runs.into_iter().map(|run| run.outcome(reference, samples)).collect::<Vec<_>>();
+    Ok(outcomes.try_into().expect("there is one for each of the choices"))
+}
+
+/// Batches by one of the choices.
+struct Run {
+    renderer: Renderer,
+    film: Film,
+    batches: Vec<Image>,
+    rays: u64,
+    times: Vec<Duration>,
+}
+
+impl Run {
+    /// Renders one more.
+    fn batch(&mut self, camera: &Camera, job: Render) -> Result<(), Error> {
+        let mut part = Film::of_size(film_size(camera));
+        let Stats { closest_rays, shadow_rays, time, .. } =
+            self.renderer.render_with(camera, &mut part, job, &Handle::default())?;
+        self.rays += closest_rays + shadow_rays;
+        self.times.push(time);
+        self.film.merge(&part)?;
+        self.batches.push(part.mean());
+        Ok(())
+    }
+
+    /// What all of them showed.
+    fn outcome(mut self, reference: &Reference, samples: u64) -> Outcome {
+        let picture = self.film.mean();
+        let (mean, standard_error) = estimate(&self.batches);
+        let off = mean - reference.mean;
+        self.times.sort_unstable();
+        let middle = self.times.len() / 2;
+        Outcome {
+            mean,
+            standard_error,
+            sigmas: sigmas(off, standard_error, reference),
+            relative: if reference.mean == 0.0 { off } else { off / reference.mean },
+            samples,
+            rays: self.rays,
+            time: self.times.iter().sum(),
+            batch_time: (self.times[(self.times.len() - 1) / 2] + self.times[middle]) / 2,
+            dropped: self.film.dropped(),
+            non_finite: picture.pixels.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count(),
+            picture,
+        }
+    }
 }
 
 /// The largest film within [`FILM`] that has the camera's aspect.
@@ -162,6 +242,14 @@ mod tests {
         assert!((sigmas(1e-5, 0.0, &reference(1.0, 0.0)) - 4.0).abs() < 1e-9);
         assert_eq!(sigmas(0.0, 0.0, &reference(0.0, 0.0)), 0.0);
         assert_eq!(sigmas(1e-30, 0.0, &reference(0.0, 0.0)), f64::INFINITY);
+    }
+
+    /// A name that the gallery has no more would be measured against nothing.
+    #[test]
+    fn what_is_naive_belongs_to_the_gallery() {
+        let with_words = gallery().filter_map(|(b, _)| naive(b.name)).count();
+        assert_eq!(with_words, 8);
+        assert!(gallery().filter_map(|(b, _)| naive(b.name)).all(|(_, choices)| choices != Choices::default()));
     }
 
     /// A reference is a mean over a picture of one shape.

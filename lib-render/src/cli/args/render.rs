@@ -54,9 +54,10 @@ pub struct RenderArgs {
     /// How random numbers are drawn
     #[arg(long, value_name = "SAMPLER", value_enum, default_value_t)]
     pub sampler: SamplerArg,
-    /// Independent sequences that the Sobol points of a pixel come from: 1, 2, 4, …; by 8 --noise tells the error, by fewer there
-    /// is less, and --noise tells too much
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = power_of_two)]
+    /// Independent sequences that the Sobol points of a pixel come from: 1, 2, 4, …; by fewer there is less error, by 8 the
+    /// image tells it, so 8 with --noise or --variance, if nothing else is said
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = power_of_two)]
+    #[arg(default_value_ifs([("noise", ArgPredicate::IsPresent, Some("8")), ("variance", ArgPredicate::Equals("true".into()), Some("8"))]))]
     pub scrambles: u32,
     /// Another seed gives another, independent image
     #[arg(long, value_name = "S", default_value_t = 0)]

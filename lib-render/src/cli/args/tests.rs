@@ -38,7 +38,13 @@ fn render_alone_renders_the_default_scene() {
     assert_eq!((args.scene.as_str(), args.output, args.spp), (DEFAULT_SCENE, "out.png".into(), 64));
     assert_eq!((args.known, args.shown.tracer), (KnownArg::Structure, TracerArg::Path));
     assert_eq!((args.rr_depth, args.rr_cap, args.max_depth), (3, 1.0, None));
-    assert_eq!((args.shading_normals, args.sampler), (ShadingNormalsArg::Consistent, SamplerArg::Independent));
+    assert_eq!((args.shading_normals, args.sampler), (ShadingNormalsArg::Consistent, SamplerArg::Sobol));
+}
+
+#[test]
+fn who_asks_for_the_error_gets_sequences_that_tell_it() {
+    let scrambles = |words: &str| parse::<RenderArgs>(words).unwrap().scrambles;
+    assert_eq!(["", "--noise 0.01", "--variance", "--variance --scrambles 2"].map(scrambles), [1, 8, 8, 2]);
 }
 
 #[test]

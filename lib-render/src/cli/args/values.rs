@@ -44,9 +44,9 @@ pub enum TraversalArg {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SamplerArg {
     /// Each by itself
-    #[default]
     Independent,
     /// Sobol points with Owen's scrambling: the samples of a pixel fill the space of their numbers evenly
+    #[default]
     Sobol,
 }
 
