@@ -176,7 +176,7 @@ fn a_time_limit_ends_the_render_and_the_image_is_written() {
 fn shading_normals_and_the_film_size_are_chosen() {
     let desk = Desk::new();
     // They differ in few paths; in one at least with this seed.
-    let odd = "builtin:odd-normals --seed 3 --shading-normals";
+    let odd = "builtin:odd-normals --sampler independent --seed 3 --shading-normals";
     assert!(desk.bytes(&format!("{odd} free")) != desk.bytes(&format!("{odd} consistent")));
     // The default camera asks for 512x512; one side alone keeps its aspect.
     let size = |words: &str| {

@@ -17,8 +17,8 @@ use jerboa_lib_render::host::part::Part;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_scenes::Scene;
 
-/// A small render of a scene that has everything; more words follow.
-const SMALL: &str = "render builtin:material-balls --width 21 --height 14";
+/// A small render of a scene that has everything, of as many sequences as tell its error; more words follow.
+const SMALL: &str = "render builtin:material-balls --width 21 --height 14 --scrambles 8";
 
 fn bytes(desk: &Desk, name: &str) -> Vec<u8> {
     fs::read(desk.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
