@@ -16,6 +16,7 @@ use crate::core::rng::Rng;
 use crate::core::sampling::{concentric_disk, uniform_cone, uniform_cone_pdf};
 use crate::core::vec::{Vec2, Vec3, vec2};
 use crate::geometry::offset::offset_point;
+use crate::geometry::plane::HIT_ERROR;
 use crate::geometry::triangle::GAMMA_7;
 use crate::light::seen::Met;
 use crate::light::spot::intensity;
@@ -80,9 +81,12 @@ pub fn meet(row: Row<Lights>, org: Vec3, dir: Vec3) -> Met {
     Met { is_met: met.is_met & off.length2().le(1.0), distance: before.max(0.0), ..met }
 }
 
-/// Bound on the rounding of each coordinate of its points, m.
+/// Bound on the rounding of each coordinate of its points, and on how far off a ray finds a well-shaped triangle in its plane, m: a
+/// triangle of the scene, and the way to it from a point there, is no longer than the scene is across.
 fn error(row: Row<Lights>) -> Vec3 {
-    position(row).abs().map(|x| x + row.get(Lights::RADIUS)) * F32::from(GAMMA_7)
+    let own = position(row).abs().map(|x| x + row.get(Lights::RADIUS)) * F32::from(GAMMA_7);
+    let of_others = row.get(Lights::SCENE_RADIUS) * (2.0 * HIT_ERROR);
+    own.map(|x| x + of_others)
 }
 
 /// A point of the disk at this distance in this direction; met where it shines.

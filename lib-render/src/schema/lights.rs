@@ -77,7 +77,7 @@ table! {
         COS_OUTER: F32, value;
         /// Spot and disk: cosine of the inner angle.
         COS_INNER: F32, value;
-        /// Radius of the scene's bounding sphere, m (emission sampling of infinite lights).
+        /// Radius of the scene's bounding sphere, m (emission sampling of infinite lights; rounding at disks).
         SCENE_RADIUS: F32, value;
         /// Absorption coefficient of what the light lies in, 1/m.
         ABSORPTION_R: F32, value;

@@ -84,7 +84,9 @@ pub fn rows() -> Vec<Row> {
     rows.extend([0.05, 1.0].map(glossy_leaf));
     rows.push(Row::new("leaf medley", |p| p.medley(0.5).diffuse_transmission(0.4)).through(INDEX));
     rows.extend([(0.0, 250.0), (0.25, 400.0), (0.05, 0.0), (0.25, 1e7)].map(|(alpha, nm)| film_on_metal(alpha, nm)));
-    rows.extend([(0.0, 400.0), (0.25, 250.0)].map(|(alpha, nm)| film_on_plastic(alpha, nm)));
+    rows.extend([(0.0, 400.0), (0.25, 250.0)].map(|(alpha, nm)| film_on_plastic(INDEX, alpha, nm)));
+    // The film is denser than what it lies on.
+    rows.push(film_on_plastic(1.2, 0.0, 400.0));
     rows.push(Row::new("film on glass", |p| p.glass(0.5, false).film(0.7, 400.0)).through(INDEX));
     rows.push(Row::new("film on medley", |p| p.medley(0.5).film(1.0, 600.0)).through(INDEX));
     rows.extend([0.0, 0.0016, 0.05, 0.25, 1.0].map(|alpha| coat(1.0, alpha)));
@@ -194,16 +196,18 @@ fn film_on_metal(alpha: f64, nanometres: f64) -> Row {
 }
 
 /// White under a film: what passes has the colour of what is under it.
-fn film_on_plastic(alpha: f64, nanometres: f64) -> Row {
+fn film_on_plastic(index: f64, alpha: f64, nanometres: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
-    let name = format!("film on plastic {alpha:.3} {nanometres}");
-    let row = Row::new(name, move |p| p.plastic(roughness).film(1.0, nanometres as f32));
-    let reflected = move |c: f64| film(c, f64::from(1.3f32), nanometres, 0.04);
+    let name = format!("film on plastic of {index} {alpha:.3} {nanometres}");
+    let row =
+        Row::new(name, move |p| p.plastic(roughness).number(Materials::IOR, index as f32).film(1.0, nanometres as f32));
+    let at_normal = ((index - 1.0) / (index + 1.0)).powi(2);
+    let reflected = move |c: f64| film(c, f64::from(1.3f32), nanometres, at_normal);
     let passed = move |c: f64| 1.0 - reflected(c).into_iter().fold(0.0, f64::max);
     let passing_out = gauss::<64>(0.0, 1.0, |c| passed(c) * 2.0 * c);
     row.returns(move |cos| {
         let cos = cos.abs();
-        let layer = microfacets(alpha, Masking::Separable, cos, INDEX, |c| reflected(c)[1])[0];
+        let layer = microfacets(alpha, Masking::Separable, cos, index, |c| reflected(c)[1])[0];
         layer + passed(cos) * passing_out
     })
 }

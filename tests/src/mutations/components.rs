@@ -132,6 +132,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         mistake: "rays that light sampling knows to meet a disk in the plane of a ceiling end on the ceiling",
     },
     Mutation {
+        name: "disk-by-its-own-rounding",
+        file: "lib-render/src/light/disk.rs",
+        before: "row.get(Lights::SCENE_RADIUS) * (2.0 * HIT_ERROR)",
+        after: "F32::from(0.0)",
+        mistake: "a disk of light is before a ceiling by what its own points round: far from zero the ceiling rounds more",
+    },
+    Mutation {
         name: "sun-of-half-the-size",
         file: "lib-render/src/light/sun.rs",
         before: "2.0 * opening",

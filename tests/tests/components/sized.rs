@@ -110,11 +110,12 @@ fn a_sample_among_many_is_what_a_ray_sees() {
     }
 }
 
-/// A ceiling does not hide the disk that lies in its plane, neither from light sampling nor from rays that meet it by chance.
+/// A ceiling does not hide the disk that lies in its plane, neither from light sampling nor from rays that meet it by chance. At 977 m
+/// the tables have both at zero, where the disk's own coordinates round nothing.
 #[test]
 fn a_ceiling_does_not_hide_its_disk() {
     let mut probe = LightProbe::default();
-    for height in [1.0, 1.1].map(|height: f32| f64::from(height)) {
+    for height in [1.0, 1.1, 977.0].map(|height: f32| f64::from(height)) {
         let mut scene = alone(LightKind::Disk { inner: 0.6, outer: 1.57, radius: 0.3 }, height);
         plane(&mut scene, height as f32, false);
         probe.load(&scene);
