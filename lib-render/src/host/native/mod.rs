@@ -63,7 +63,7 @@ impl Hit {
     }
 }
 
-/// Rays to trace, and where hits go.
+/// Rays to trace, and where hits go. To be inlined always: on its way over the stack a ray would wait for its own words.
 pub trait Rays {
     /// The number of the next ray, the ray, and the best hit so far.
     fn next(&mut self) -> Option<(u32, Ray, Hit)>;

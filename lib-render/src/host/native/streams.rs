@@ -62,7 +62,7 @@ pub(in crate::host) fn shadow(
 }
 
 /// The record `Ray` of a row, which begins with it.
-#[inline]
+#[inline(always)]
 fn ray(row: &[u32]) -> Ray {
     const { assert!(Paths::ORG_X.0 == 0 && Shadows::ORG_X.0 == 0) };
     let record: &[u32; 10] = row.first_chunk().expect("a ray has ten words");
@@ -76,13 +76,13 @@ fn ray(row: &[u32]) -> Ray {
 }
 
 /// The next row of a path that goes on.
-#[inline]
+#[inline(always)]
 fn live(rows: &mut Range<u32>, paths: &Stream) -> Option<u32> {
     rows.find(|row| paths.row(*row as usize)[Paths::ALIVE.0 as usize] != 0)
 }
 
 /// Notes what a path hits.
-#[inline]
+#[inline(always)]
 fn put(hits: &mut Stream, row: u32, hit: Hit, class: u32) {
     let row = hits.row_mut(row as usize);
     let words = [
@@ -103,14 +103,14 @@ struct Hide<'a> {
 }
 
 impl Rays for Hide<'_> {
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let row = live(&mut self.rows, self.paths)?;
         let ray = ray(self.paths.row(row as usize));
         Some((row, ray, Hit::miss(ray.tmax)))
     }
 
-    #[inline]
+    #[inline(always)]
     fn done(&mut self, row: u32, hit: Hit) {
         put(self.hits, row, hit, NONE);
         let alive = &mut self.paths.row_mut(row as usize)[Paths::ALIVE.0 as usize];
@@ -136,7 +136,7 @@ impl Trace<'_> {
 }
 
 impl Rays for Trace<'_> {
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let row = live(&mut self.rows, self.paths)?;
         let ray = ray(self.paths.row(row as usize));
@@ -153,20 +153,20 @@ impl Rays for Trace<'_> {
         Some((row, ray, if self.begun { before() } else { Hit::miss(ray.tmax) }))
     }
 
-    #[inline]
+    #[inline(always)]
     fn done(&mut self, row: u32, hit: Hit) {
         let class = if hit.primitive == NONE { NONE } else { self.class(hit.primitive) };
         put(self.hits, row, hit, class);
     }
 
-    #[inline]
+    #[inline(always)]
     fn needs(&self, primitive: u32) -> *const u32 {
         self.primitives.as_ptr().wrapping_add(geometry_of(primitive))
     }
 }
 
 /// Where the geometry of a primitive is, in their table.
-#[inline]
+#[inline(always)]
 fn geometry_of(primitive: u32) -> usize {
     primitive as usize * Primitives::COLUMNS.len() + Primitives::GEOMETRY.0 as usize
 }
@@ -179,14 +179,14 @@ struct Shadow<'a> {
 }
 
 impl Rays for Shadow<'_> {
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let row = self.rows.find(|row| self.next.row(*row as usize)[Next::ASKED.0 as usize] != 0)?;
         let ray = ray(self.shadows.row(row as usize));
         Some((row, ray, Hit::miss(ray.tmax)))
     }
 
-    #[inline]
+    #[inline(always)]
     fn done(&mut self, row: u32, hit: Hit) {
         let (shadow, next) = (self.shadows.row(row as usize), self.next.row_mut(row as usize));
         let is_free = hit.primitive == NONE;

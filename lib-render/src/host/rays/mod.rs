@@ -300,23 +300,22 @@ struct Asked<'a> {
 }
 
 impl Rays for Asked<'_> {
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<(u32, Ray, Hit)> {
         let (i, count) = (self.next, self.chunk.count);
-        let word = |column: u32| f32::from_bits(self.chunk.rays[(column * count + i) as usize]);
+        if i == count {
+            return None;
+        }
         self.next += 1;
-        let ray = || Ray {
-            org: [word(0), word(1), word(2)],
-            dir: [word(3), word(4), word(5)],
-            tmax: word(6),
-            skip: [NONE; 3],
-        };
+        let word = |column: u32| f32::from_bits(self.chunk.rays[(column * count + i) as usize]);
+        let ray =
+            Ray { org: [word(0), word(1), word(2)], dir: [word(3), word(4), word(5)], tmax: word(6), skip: [NONE; 3] };
         let found = |column: u32| self.chunk.found[(column * count + i) as usize];
-        let before = || Hit { primitive: found(0), ..Hit::miss(f32::from_bits(found(1))) };
-        (i < count).then(|| (i, ray(), if self.begun { before() } else { Hit::miss(word(6)) }))
+        let before = Hit::miss(if self.begun { f32::from_bits(found(1)) } else { ray.tmax });
+        Some((i, ray, if self.begun { Hit { primitive: found(0), ..before } } else { before }))
     }
 
-    #[inline]
+    #[inline(always)]
     fn done(&mut self, number: u32, hit: Hit) {
         self.chunk.found[number as usize] = hit.primitive;
         self.chunk.found[(self.chunk.count + number) as usize] = hit.t.to_bits();
