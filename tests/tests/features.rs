@@ -294,8 +294,8 @@ const CHOICES: &[Choice] = &[
         ],
     },
     Choice {
-        name: "paths from infinitely far away",
-        used: |s| s.tracer.is_splatting(),
+        name: "paths from infinitely far away, disks before ceilings",
+        used: |s| s.tracer.is_splatting() || has_light(s, |kind| matches!(kind, LightKind::Disk { .. })),
         words: &["Lights.SCENE_RADIUS"],
     },
     Choice { name: "two paths that meet", used: |s| s.tracer == TracerKind::Bidirectional, words: &["LightVertices."] },

@@ -37,7 +37,7 @@ fn materials() -> Vec<(&'static str, Material)> {
         ("stretched 0.200 0.050", Material { anisotropy: Some(Anisotropy::new(0.397)), ..metal(narrow) }),
         ("plastic 0.250", Material::plastic("plastic", [1.0; 3], 0.5)),
         ("film on metal 0.250 400", filmed(400.0, Material::metal("metal", COLOUR, 0.5))),
-        ("film on plastic 0.250 250", filmed(250.0, Material::plastic("plastic", [1.0; 3], 0.5))),
+        ("film on plastic of 1.5 0.250 250", filmed(250.0, Material::plastic("plastic", [1.0; 3], 0.5))),
         ("sheen 0.5", Material { sheen, ..Material::diffuse("black", [0.0; 3]) }),
         ("coat 1 0.050", coated(1.0, narrow, paint.clone())),
         ("coat 0.5 1.000", coated(0.5, 1.0, paint.clone())),
