@@ -1,10 +1,11 @@
-//! Holes in surfaces: glTF's alpha modes, as part of intersection, and back faces where a render culls them. A point of a
-//! surface that is not there is no hit, for a shadow ray either. Reads alpha and the side only.
+//! Holes in surfaces: glTF's alpha modes, as part of intersection. A point of a surface that is not there is no hit, for a
+//! shadow ray either; nor is a back face where a render [culls](crate::culling) it. Reads alpha and the side only.
 
 use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 
 use crate::core::rng::{DIM_HOLES, Stream};
 use crate::core::vec::Vec2;
+use crate::culling::is_culled;
 use crate::geometry::triangle::Triangle;
 use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Geometries, Materials};
 use crate::texture::look_up;
@@ -55,8 +56,7 @@ pub fn make_accept(state: RayState) -> AcceptFn {
         let triangle = Triangle::of(b, hit);
         b.dispatch(triangle.geometry(), |b, row| {
             let material = row.get(Geometries::MATERIAL);
-            let is_behind = |_: &mut Block| triangle.plane().normal.dot(ray.dir).gt(0.0);
-            let is_culled = b.if_(material.get(Materials::CULLED), is_behind, |_| Bool::from(false));
+            let is_culled = is_culled(b, material, triangle, ray);
             let there = |b: &mut Block| {
                 let at = (triangle.uv(b, row), triangle.alpha(b, row));
                 is_there(b, material, at, state.rng, state.vertex, hit.primitive)

@@ -1,7 +1,7 @@
 //! Geometry: what is known of a surface at a hit (paper, section 4.4).
 
 use jerboa_ir::impl_staged;
-use jerboa_ir::lang::{Block, F32, Fun, Row, U32};
+use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
 
 use crate::core::color::Color;
 use crate::core::vec::{Vec2, Vec3};
@@ -58,6 +58,11 @@ impl SurfaceElement {
     /// Cosine between a direction and the face normal.
     pub fn face_cos(self, w: Vec3) -> F32 {
         self.face_normal.dot(w)
+    }
+
+    /// Does a direction point behind the face?
+    pub fn is_behind(self, w: Vec3) -> Bool {
+        self.face_cos(w).lt(0.0)
     }
 }
 

@@ -62,6 +62,7 @@ pub mod normal_map;
 pub mod lobes;
 pub mod shader;
 pub mod cutout;
+pub mod culling;
 pub mod mis;
 pub mod tracer;
 pub mod device;

@@ -3,8 +3,8 @@
 //! A component asks its [`Rng`] for a number ([`Rng::next`]) or for two that belong together ([`Rng::pair`]): a point of a square, a
 //! direction. Which sampler answers is a column of [`Sampling`], known at every level, so a residual has one sampler in it.
 //!
-//! - [`make_independent_sampler`]: numbers that have nothing to do with each other. The reference.
-//! - [`make_sobol_sampler`]: the samples of a pixel fill the space of their numbers evenly (Burley 2020).
+//! - [`independent`]: numbers that have nothing to do with each other. The reference.
+//! - [`sobol`]: the samples of a pixel fill the space of their numbers evenly (Burley 2020).
 //!
 //! **Dimensions.** Each vertex of a path has its block of positions, each purpose its place in it ([`crate::core::rng`]). Sobol
 //! points have few dimensions that are good together, so each *set* of numbers has points in an order of its own. In a set
@@ -18,9 +18,13 @@
 
 use jerboa_ir::lang::{F32, Row, Staged, U32};
 
-use crate::core::rng::{DIMENSIONS_PER_VERTEX, Rng, Stream, hash, uniform};
-use crate::core::sobol::{in_powers_of_x_plus_1, in_powers_of_x2_plus_x_plus_1, owen, reversed, second_half, shuffled};
+use crate::core::rng::{Rng, Stream, uniform};
+use crate::sampler::independent::make_independent_sampler;
+use crate::sampler::sobol::make_sobol_sampler;
 use crate::schema::Sampling;
+
+pub mod independent;
+pub mod sobol;
 
 /// Where random numbers come from. All of it is arithmetic: no state, no branch.
 #[derive(Clone, Copy)]
@@ -33,58 +37,6 @@ pub struct Sampler {
     pub pair: fn(Rng) -> [U32; 2],
     /// A word for a thing at a position, which is no position of its own.
     pub of: fn(Rng, U32) -> U32,
-}
-
-/// Each word is the hash of its position.
-pub fn make_independent_sampler() -> Sampler {
-    Sampler {
-        stream: Stream::keyed,
-        number: Rng::word,
-        pair: |rng| [rng.word(), rng.ahead(1).word()],
-        of: |rng, thing| hash(rng.word() ^ thing),
-    }
-}
-
-/// Scrambled Sobol points; hashes of positions are the keys. A fraction has 16 digits of its point in a pair, the other bits are
-/// hashes of these digits: so many samples no pixel has.
-pub fn make_sobol_sampler() -> Sampler {
-    Sampler {
-        stream: |seed, pixel, sample| {
-            let log = Row::<Sampling>::at(0u32).get(Sampling::LOG_SCRAMBLES);
-            let scramble = sample & ((U32::from(1) << log) - 1u32);
-            Stream { index: reversed(sample >> log), ..Stream::keyed(seed, pixel, scramble) }
-        },
-        number: |rng| {
-            let is_alone = (rng.dim & 3u32).ne(0);
-            let i = point(rng, is_alone.select(rng.dim + ALONE, order(rng)));
-            reversed(owen(in_powers_of_x2_plus_x_plus_1(i), rng.word()))
-        },
-        pair: |rng| {
-            let i = point(rng, order(rng));
-            let (a, b) = (owen(i, rng.word()), owen(in_powers_of_x_plus_1(i), rng.ahead(1).word()));
-            let both = reversed((a & 0xffffu32) | (b << 16));
-            [(both & 0xffff_0000u32) | (a >> 16), (both << 16) | (b >> 16)]
-        },
-        of: |rng, thing| hash(hash(rng.word() ^ rng.index) ^ thing),
-    }
-}
-
-/// First of the positions that no component draws at: those of the orders of sets.
-const ORDERS: u32 = 1 << 31;
-/// A number at another position than each fourth is in a set of its own, whose order is this far behind.
-const ALONE: u32 = 1 << 30;
-
-/// The order of the set that the numbers of a position are in: that of the position's half, or, of those of a light, that of
-/// the first positions of the vertex before.
-fn order(rng: Rng) -> U32 {
-    let before = ((rng.dim >> DIMENSIONS_PER_VERTEX.ilog2()) - 1u32) * (DIMENSIONS_PER_VERTEX / 2);
-    rng.is_second.select(before, rng.dim >> 1)
-}
-
-/// Which point a sample has in a set.
-fn point(rng: Rng, order: U32) -> U32 {
-    let i = shuffled(rng.index, Rng { dim: order + ORDERS, ..rng }.word());
-    rng.is_second.select(second_half(i), i)
 }
 
 /// What the sampler of the render gives.

@@ -1,14 +1,21 @@
-//! Textures: values over texture coordinates (paper, section 4.1).
+//! Textures: values over texture coordinates (paper, section 4.1). One file per pattern; [`image`](crate::image) has what is made
+//! of texels.
 
-use jerboa_ir::lang::{Block, Bool, F32, Fun, Row};
+use jerboa_ir::lang::{Block, Bool, Fun, Row};
 
 use crate::components::{Components, Numbers};
-use crate::core::color::{Color, color};
-use crate::core::rng::{hash, uniform};
-use crate::core::vec::{Vec2, vec2};
+use crate::core::color::color;
+use crate::core::vec::Vec2;
 use crate::image::{Texel, make_image, make_image_filter};
 use crate::lobes::Lobe;
 use crate::schema::{Models, TEXTURE_CHECKERBOARD, TEXTURE_NOISE, TEXTURE_OWN, Textures};
+use crate::texture::checkerboard::make_checkerboard_texture;
+use crate::texture::noise::make_noise_texture;
+use crate::texture::transform::transform;
+
+pub mod checkerboard;
+pub mod noise;
+pub mod transform;
 
 /// Texture coordinates → value.
 pub type Texture = Fun<Vec2, Texel>;
@@ -38,47 +45,6 @@ impl Lookup {
         let row = self.row(Components::current().models().len());
         Row::<Models>::at(row as u32).get(Models::USED)
     }
-}
-
-/// Unit squares, `even` where ⌊u⌋ + ⌊v⌋ is even, `odd` elsewhere; opaque.
-pub fn make_checkerboard_texture(even: Color, odd: Color) -> Texture {
-    Texture::lam(|_, uv| {
-        let parity = (uv.x.floor().to_i32() + uv.y.floor().to_i32()) & 1;
-        Texel { color: parity.eq(0).select(even, odd), alpha: 1.0.into() }
-    })
-}
-
-/// Octaves of [`make_noise_texture`].
-const OCTAVES: u32 = 4;
-
-/// Clouds from `low` to `high`: value noise of four octaves, each twice as fine as the one before and half as strong; opaque.
-///
-/// An octave has a number in [0, 1) at each point of a lattice, interpolated by 6t⁵ − 15t⁴ + 10t³: smooth to the second
-/// derivative, and nowhere beyond `low` or `high`. From 2^24 on coordinates are points of the lattice, or none.
-///
-/// Source: Perlin 2002, "Improving noise", for the interpolation.
-pub fn make_noise_texture(low: Color, high: Color) -> Texture {
-    Texture::lam(|_, uv| {
-        let (mut sum, mut most) = (F32::from(0.0), 0.0);
-        for octave in 0..OCTAVES {
-            let (scale, strength) = ((1 << octave) as f32, 1.0 / (1 << octave) as f32);
-            sum = sum + lattice_noise(octave, vec2(uv.x * scale, uv.y * scale)) * strength;
-            most += strength;
-        }
-        Texel { color: low.lerp(high, sum / most), alpha: 1.0.into() }
-    })
-}
-
-/// One octave, in [0, 1].
-fn lattice_noise(octave: u32, at: Vec2) -> F32 {
-    let smooth = |t: F32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    // 0 for what is no number: infinity − infinity.
-    let weight = |x: F32| smooth((x - x.floor()).max(0.0)).min(1.0);
-    let (kx, ky) = (weight(at.x), weight(at.y));
-    let (i, j) = (at.x.floor().to_i32(), at.y.floor().to_i32());
-    let number = |dx: i32, dy: i32| uniform(hash(hash((i + dx).bits() ^ hash(octave.into())) ^ (j + dy).bits()));
-    let mix = |a: F32, b: F32, k: F32| a * (1.0 - k) + b * k;
-    mix(mix(number(0, 0), number(1, 0), kx), mix(number(0, 1), number(1, 1), kx), ky)
 }
 
 /// The texture that a row describes.
@@ -119,15 +85,4 @@ pub fn look_up(b: &mut Block, row: Row<Textures>, uv: [Vec2; 2]) -> Texel {
         Fun::lam(|b, (row, uv): (Row<Textures>, Vec2)| make_texture(row).call(b, uv))
     });
     texture.call(b, (row, set))
-}
-
-/// KHR_texture_transform.
-fn transform(b: &mut Block, row: Row<Textures>, uv: Vec2) -> Vec2 {
-    let get = |column| row.get(column);
-    let line = |m0, m1, m2| get(m0) * uv.x + get(m1) * uv.y + get(m2);
-    b.if_(
-        row.get(Textures::TRANSFORMED),
-        |_| vec2(line(Textures::M00, Textures::M01, Textures::M02), line(Textures::M10, Textures::M11, Textures::M12)),
-        |_| uv,
-    )
 }

@@ -346,7 +346,17 @@ const SOURCES: &[Code] = &[
     Code { file: "normal_map.rs", used: |s| any(&s.scene, |m| m.normal_texture.is_some()) },
     Code { file: "cutout.rs", used: |s| any(&s.scene, |m| m.alpha_mode != AlphaMode::Opaque) },
     Code { file: "image.rs", used: |s| has_images(&s.scene) },
-    Code { file: "texture.rs", used: |s| has_textures(&s.scene) },
+    Code { file: "image/nearest.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/bilinear.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/bicubic.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/border.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/border/repeat.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/border/clamp.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/border/mirror.rs", used: |s| has_images(&s.scene) },
+    Code { file: "image/border/constant.rs", used: |s| has_images(&s.scene) },
+    Code { file: "texture/checkerboard.rs", used: |s| has_patterns(&s.scene) },
+    Code { file: "texture/noise.rs", used: |s| has_patterns(&s.scene) },
+    Code { file: "texture/transform.rs", used: |s| has_textures(&s.scene) },
     Code { file: "light/area.rs", used: |s| any(&s.scene, Material::is_emissive) },
     Code {
         file: "light/directional.rs",
@@ -369,6 +379,12 @@ const SOURCES: &[Code] = &[
     Code { file: "core/alias.rs", used: |s| s.scene.environment.is_some() && s.shows_light() },
     Code { file: "core/cdf.rs", used: |s| light_shapes(&s.scene) > 1 || shares(&s.scene) },
     Code { file: "core/exact.rs", used: |s| s.device.is_gpu() || s.tracer.is_splatting() },
+    Code { file: "camera/pinhole.rs", used: |s| s.camera() == CameraKind::Pinhole },
+    Code { file: "camera/thin_lens.rs", used: |s| s.camera() == CameraKind::Thin },
+    Code { file: "camera/orthographic.rs", used: |s| s.camera() == CameraKind::Orthographic },
+    Code { file: "camera/fisheye.rs", used: |s| s.camera() == CameraKind::Fisheye },
+    Code { file: "tracer/absorption.rs", used: |s| any(&s.scene, |m| m.volume.is_some()) },
+    Code { file: "tracer/roulette.rs", used: |s| s.choices.rr_depth.is_some() && s.shows_light() },
     Code { file: "tracer/path.rs", used: Subject::shows_light },
     Code { file: "tracer/light.rs", used: |s| s.tracer.is_splatting() },
     Code { file: "tracer/lens.rs", used: |s| s.tracer.is_splatting() },
@@ -390,12 +406,11 @@ const SOURCES: &[Code] = &[
 ];
 
 /// Sources that are no row's: what every picture needs, and what many rows share.
-const COMMON: &str = "bsdf/diffuse.rs bsdf/frame.rs bsdf/gltf/values.rs bsdf/gltf/view.rs bsdf/mod.rs camera.rs \
-    core/color.rs core/math/exp.rs core/math/mod.rs core/math/trig.rs core/onb.rs core/rng.rs \
-    core/sampling.rs core/sobol.rs core/vec.rs device/cpu.rs geometry.rs geometry/offset.rs \
-    geometry/plane.rs geometry/triangle.rs lobes.rs material.rs ray.rs sampler.rs tracer/mod.rs traverse/bvh.rs \
-    traverse/lanes.rs traverse/line.rs traverse/memory.rs traverse/stack.rs traverse/triangle.rs \
-    traverse/turns.rs traverse/walk.rs";
+const COMMON: &str = "bsdf/bent.rs bsdf/diffuse.rs bsdf/frame.rs bsdf/gltf/values.rs bsdf/gltf/view.rs bsdf/mod.rs camera.rs \
+    core/color.rs core/math/exp.rs core/math/mod.rs core/math/trig.rs core/onb.rs core/rng.rs core/sampling.rs core/sobol.rs \
+    core/vec.rs device/cpu.rs geometry.rs geometry/offset.rs geometry/plane.rs geometry/triangle.rs lobes.rs material.rs \
+    ray.rs sampler.rs tracer/mod.rs traverse/bvh.rs traverse/lanes.rs traverse/line.rs traverse/memory.rs traverse/stack.rs \
+    traverse/triangle.rs traverse/turns.rs traverse/walk.rs";
 
 #[test]
 fn what_a_scene_does_not_use_is_in_none_of_its_residuals() {

@@ -11,7 +11,8 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Bool, F32, Fun};
 
-use crate::bsdf::frame::{Side, bend_ratio, reflect, shading_cos};
+use crate::bsdf::bent::bend_ratio;
+use crate::bsdf::frame::{Side, reflect, shading_cos};
 use crate::bsdf::layer::Layer;
 use crate::bsdf::rough::{Facet, Rough};
 use crate::bsdf::{Bsdf, BsdfSample, EvalFn, PdfFn, SampleFn};

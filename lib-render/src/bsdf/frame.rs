@@ -25,7 +25,7 @@ pub struct Side {
 impl_staged!(Side { normal, judge, outside });
 
 /// Does the geometric normal judge?
-fn is_consistent() -> Bool {
+pub(super) fn is_consistent() -> Bool {
     Row::<Settings>::at(0u32).get(Settings::CONSISTENT_NORMALS)
 }
 
@@ -53,23 +53,6 @@ impl Side {
     /// Is wi on the other side: transmitted light?
     pub fn transmits(self, wi: Vec3) -> Bool {
         self.judge.dot(wi).lt(0.0)
-    }
-
-    /// The normal for mirrors and microfacets: the shading normal, bent just enough that the mirror image of wo leaves the
-    /// surface instead of entering it. The cosine between it and wo is then positive.
-    ///
-    /// Source: Keller et al. 2017, "The Iray light transport simulation and rendering system", section A.3: lift the mirror
-    /// direction to the surface and take the half vector.
-    pub fn bent_normal(self, wo: Vec3) -> Vec3 {
-        /// The lowest a lifted direction leaves the surface (its sine), unless wo itself is lower. Large against rounding.
-        const LIFT: f32 = 0.01;
-        let (n, g) = (self.normal, self.judge);
-        let mirrored = reflect(wo, n);
-        let height = mirrored.dot(g);
-        let least = (wo.dot(g) * 0.9).min(LIFT);
-        let lifted = (mirrored + g * (least - height)).normalize();
-        let bent = (wo + lifted).normalize();
-        is_consistent().select(height.lt(least).select(bent, n), n)
     }
 }
 
@@ -107,11 +90,4 @@ impl Frame3 {
 /// |cosine| of a direction to the shading normal of the surface: the factor that goes with f.
 pub fn shading_cos(surf: SurfaceElement, wi: Vec3) -> F32 {
     surf.local.normal.dot(wi).abs()
-}
-
-/// What f is multiplied with where it was found with a bent normal, whose cosine with wi is `bent_cos`: the renderer
-/// multiplies it with [`shading_cos`], here `cos`.
-pub fn bend_ratio(bent_cos: F32, cos: F32) -> F32 {
-    let ratio = cos.gt(0.0).select(bent_cos.abs() / cos, 0.0.into());
-    is_consistent().select(ratio, 1.0.into())
 }

@@ -7,7 +7,8 @@
 
 use jerboa_ir::lang::{Bool, F32};
 
-use crate::bsdf::frame::{Side, bend_ratio, reflect, shading_cos};
+use crate::bsdf::bent::bend_ratio;
+use crate::bsdf::frame::{Side, reflect, shading_cos};
 use crate::bsdf::rough::{Facet, Rough};
 use crate::core::rng::Rng;
 use crate::core::vec::{Vec3, vec2};

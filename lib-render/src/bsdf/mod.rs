@@ -1,6 +1,7 @@
 //! Scattering (paper, section 4.2). One file per model.
 
 pub mod frame;
+pub mod bent;
 pub mod diffuse;
 pub mod phong;
 pub mod mirror;

@@ -36,11 +36,12 @@ use crate::light::{DirectLightSample, area_pdf, choose_light, with_light};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
 use crate::schema::*;
+use crate::tracer::absorption::{arriving, reaching};
 use crate::tracer::adjoint::{carried, scattered};
 use crate::tracer::lens::{Lens, Splat};
 use crate::tracer::light::{Emitted, emit, go_on};
-use crate::tracer::path::{arriving, asks_for_light, direct, emitted, reaching, scatter, settings, sky, within_depth};
-use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, PathState, RayState, Tracer, first_ray};
+use crate::tracer::path::{asks_for_light, direct, emitted, scatter, sky, within_depth};
+use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, PathState, RayState, Tracer, first_ray, settings};
 
 /// What both paths carry.
 #[derive(Clone, Copy)]

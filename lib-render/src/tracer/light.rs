@@ -23,10 +23,12 @@ use crate::light::{EmissionSample, choose_light, with_light};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
 use crate::schema::{Frame, Lights, NONE, Settings};
+use crate::tracer::absorption::{absorption_along, arriving, reaching};
 use crate::tracer::adjoint::{carried, scattered};
 use crate::tracer::lens::{Lens, Splat};
-use crate::tracer::path::{absorption_along, arriving, has_lights, reaching, settings, survival, within_depth};
-use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer};
+use crate::tracer::path::{has_lights, within_depth};
+use crate::tracer::roulette::survival;
+use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer, settings};
 
 /// Sets the numbers of paths from lights apart from those of paths from the camera under the same seed: the first bits of
 /// the fraction of √2.

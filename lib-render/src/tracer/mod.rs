@@ -15,6 +15,9 @@
 //! [`Lights::ABSORPTION_R`](crate::schema::Lights::ABSORPTION_R)), and a refraction changes it.
 
 pub mod path;
+pub mod absorption;
+pub mod roulette;
+pub mod unlit;
 pub mod debug;
 pub mod aov;
 pub mod occlusion;
@@ -108,9 +111,14 @@ pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -
         radiance_scale: 1.0.into(),
         pdf_dir: 0.0.into(),
         is_specular: true.into(),
-        absorption: Row::<Settings>::at(0u32).get(Settings::HAS_VOLUMES).select(around, black()),
+        absorption: settings().get(Settings::HAS_VOLUMES).select(around, black()),
     };
     (camera.call(b, (x, y, rng.vertex(0.into(), 0))), state)
+}
+
+/// The choices of the render.
+fn settings() -> Row<Settings> {
+    Row::at(0u32)
 }
 
 /// The side of a surface that a ray has hit, by the shading normal with the normal map.

@@ -4,14 +4,12 @@
 //! Path vertices count from 0, the camera; the ray that leaves vertex k is edge k + 1. Vertex 1 is what the camera sees.
 //! A path has at most `MAX_DEPTH` edges: 1 shows emitters only, 2 adds direct light.
 
-use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, Row, U32};
+use jerboa_ir::lang::{Block, Bool, Exit, F32, Fun, U32};
 
 use crate::bsdf::BsdfSample;
 use crate::camera::CameraFn;
 use crate::core::color::{Color, black};
-use crate::core::math::exp;
 use crate::core::rng::{DIM_BSDF, DIM_LIGHT, DIM_ROULETTE};
-use crate::core::vec::Vec3;
 use crate::geometry::SurfaceElement;
 use crate::geometry::offset::{spawn_ray, spawn_shadow_ray};
 use crate::light::environment::seen_environment;
@@ -21,11 +19,10 @@ use crate::material::{EmissionValue, Material};
 use crate::mis::power_heuristic;
 use crate::ray::{Hit, Ray};
 use crate::schema::Settings;
-use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer, first_ray};
-
-/// Scattering from which on a path survives with probability at most 1 − 4/k, whenever roulette begins: the expected length
-/// is finite in every scene, a white closed box too (accuracy.md, N22 as amended).
-const LONG_PATH: u32 = 512;
+use crate::tracer::absorption::{absorption_along, arriving, from_afar, reaching};
+use crate::tracer::roulette::survival;
+use crate::tracer::unlit::shown;
+use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer, first_ray, settings};
 
 /// The path tracer.
 pub fn make_path_tracer(camera: CameraFn) -> Tracer {
@@ -98,11 +95,6 @@ pub(super) fn scatter(
     (sample, state)
 }
 
-/// The choices of the render.
-pub(super) fn settings() -> Row<Settings> {
-    Row::at(0u32)
-}
-
 /// Is there a light that can be sampled?
 pub(super) fn has_lights() -> Bool {
     settings().get(Settings::HAS_LIGHTS)
@@ -113,49 +105,6 @@ pub(super) fn within_depth(state: RayState) -> Bool {
     !settings().get(Settings::DEPTH_LIMITED) | state.vertex.lt(settings().get(Settings::MAX_DEPTH))
 }
 
-/// Throughput at a hit: what absorption leaves along the ray.
-pub(super) fn arriving(b: &mut Block, state: RayState, hit: Hit) -> Color {
-    after(b, state.throughput, state.absorption, hit.t)
-}
-
-/// Throughput at what a vertex asks for, a light or the camera, in a direction and at a distance: what absorption leaves
-/// along the ray and on the way from the vertex.
-pub(super) fn reaching(
-    b: &mut Block,
-    (ray, hit, state): (Ray, Hit, RayState),
-    surf: SurfaceElement,
-    mat: Material,
-    wi: Vec3,
-    distance: F32,
-) -> Color {
-    let light = arriving(b, state, hit);
-    after(b, light, absorption_along(state, surf, mat, -ray.dir, wi), distance)
-}
-
-/// Throughput of a ray that comes from infinitely far away: nothing is left where it went through what absorbs.
-fn from_afar(b: &mut Block, state: RayState) -> Color {
-    let left = |light: F32, sigma: F32| sigma.gt(0.0).select(0.0.into(), light);
-    b.if_(settings().get(Settings::HAS_VOLUMES), |_| state.throughput.zip(state.absorption, left), |_| state.throughput)
-}
-
-/// Light after a distance through what absorbs.
-fn after(b: &mut Block, light: Color, absorption: Color, distance: F32) -> Color {
-    b.if_(
-        settings().get(Settings::HAS_VOLUMES),
-        |_| light * absorption.map(|sigma| exp(-sigma.absorb(distance))),
-        |_| light,
-    )
-}
-
-/// Absorption along the next ray: a ray that enters meets the volume of this surface, one that leaves meets none, one
-/// that is reflected what it met before.
-pub(super) fn absorption_along(state: RayState, surf: SurfaceElement, mat: Material, wo: Vec3, wi: Vec3) -> Color {
-    let crosses = (surf.face_cos(wo) * surf.face_cos(wi)).lt(0.0);
-    let beyond = surf.face_cos(wi).lt(0.0).select(mat.absorption, black());
-    let has_volumes = settings().get(Settings::HAS_VOLUMES);
-    has_volumes.select(crosses.select(beyond, state.absorption), black())
-}
-
 /// What the surface itself adds to a path from the camera: its emission, times its weight; an unlit one its base colour.
 pub(super) fn emitted(
     b: &mut Block,
@@ -163,7 +112,7 @@ pub(super) fn emitted(
     mat: Material,
     weight: impl Fn(&mut Block, EmissionValue) -> F32,
 ) -> Color {
-    let unlit = |b: &mut Block| arriving(b, state, hit).absorb(mat.base);
+    let unlit = |b: &mut Block| shown(arriving(b, state, hit), mat);
     let lit = |b: &mut Block| {
         let emission = |b: &mut Block| {
             let value = mat.emission.call(b, -ray.dir);
@@ -218,16 +167,4 @@ pub(super) fn direct(
             throughput.absorb(f_cos).absorb(light.intensity) * (weight / light.pdf_dir)
         },
     )
-}
-
-/// Probability of going on: the largest channel of the throughput without the radiance scales of refraction, at most the
-/// cap; 1 before roulette begins, but never above the bound of a long path.
-pub(super) fn survival(b: &mut Block, scattering: U32, throughput: Color) -> F32 {
-    let roulette = |b: &mut Block| {
-        let s = settings();
-        let q = throughput.max_channel().min(s.get(Settings::RR_CAP));
-        let q = scattering.ge(s.get(Settings::RR_DEPTH)).select(q, 1.0.into());
-        b.if_(scattering.ge(LONG_PATH), |_| q.min(1.0 - 4.0 / scattering.to_f32()), |_| q)
-    };
-    b.if_(settings().get(Settings::ROULETTE), roulette, |_| F32::from(1.0))
 }

@@ -3,7 +3,7 @@
 use jerboa_ir::lang::U32;
 use jerboa_lib_render::core::rng::{DIM_BSDF, DIM_LIGHT, Stream};
 use jerboa_lib_render::core::sobol::reversed;
-use jerboa_lib_render::sampler::make_sobol_sampler;
+use jerboa_lib_render::sampler::sobol::make_sobol_sampler;
 
 use super::sweep::Sweep;
 

@@ -5,9 +5,10 @@ use jerboa_ir::lang::{Block, Bool, F32};
 
 use super::values::{GltfValues, Split, passing};
 use crate::bsdf::BsdfSample;
+use crate::bsdf::bent::bend_ratio;
 use crate::bsdf::dielectric::{refract, refraction};
 use crate::bsdf::diffuse::{diffuse_comes_through, diffuse_is_seen, diffuse_pdf, sample_diffuse};
-use crate::bsdf::frame::{Side, bend_ratio, frame_along, reflect, shading_cos};
+use crate::bsdf::frame::{Side, frame_along, reflect, shading_cos};
 use crate::bsdf::rough::{Facet, Rough, bending};
 use crate::core::color::{Color, black};
 use crate::core::fresnel::refracted_cos;
