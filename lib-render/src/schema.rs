@@ -139,12 +139,17 @@ table! {
         FORWARD_Y: F32, bulk;
         /// See [`Frame::FORWARD_X`].
         FORWARD_Z: F32, bulk;
-        /// Radius of a thin lens over the length of [`Frame::RIGHT_X`] and so on.
+        /// Radius of a thin lens, in [`Frame::LENS_SIZE`], over the length of [`Frame::RIGHT_X`] and so on.
         LENS_RIGHT: F32, bulk;
-        /// Radius of a thin lens over the length of [`Frame::UP_X`] and so on.
+        /// Radius of a thin lens, likewise, over the length of [`Frame::UP_X`] and so on.
         LENS_UP: F32, bulk;
-        /// Depth that a thin lens is in focus at, m.
+        /// The largest power of two that is no more than the radius of a thin lens, m.
+        LENS_SIZE: F32, bulk;
+        /// Depth that a thin lens is in focus at, in the largest power of two that is no more than it or the radius: so squares of either
+        /// neither overflow nor vanish, and powers of two round nothing.
         FOCUS: F32, bulk;
+        /// [`Frame::LENS_SIZE`] in the unit of [`Frame::FOCUS`].
+        LENS_SHARE: F32, bulk;
         /// Absorption coefficient of what the camera is in, 1/m.
         ABSORPTION_R: F32, bulk;
         /// See [`Frame::ABSORPTION_R`].

@@ -16,6 +16,9 @@ pub fn thin_lens_ray(view: View, rng: Rng) -> (Vec3, Vec3) {
     let ([u, v], _) = rng.pair();
     let disk = concentric_disk(vec2(u, v));
     let lens = view.right * (disk.x * frame.get(Frame::LENS_RIGHT)) + view.up * (disk.y * frame.get(Frame::LENS_UP));
+    let org = view.eye + lens * frame.get(Frame::LENS_SIZE);
+    // In a unit in which squares neither overflow nor vanish.
+    let lens = lens * frame.get(Frame::LENS_SHARE);
     let sharp = view.ahead() * frame.get(Frame::FOCUS);
-    (view.eye + lens, (sharp - lens).normalize())
+    (org, (sharp - lens).normalize())
 }

@@ -317,7 +317,14 @@ fn the_camera_sees_row_0_at_the_top_and_jitters_within_the_pixel() {
 fn cameras_of_every_kind_follow_their_formulas() {
     let mut bench = with_film();
     let (radius, focus) = (0.5, 3.0);
-    for (column, value) in [(Frame::LENS_RIGHT, radius / 2.0), (Frame::LENS_UP, radius), (Frame::FOCUS, focus as f32)] {
+    // The lens in units of half a metre, the depth of a quarter.
+    for (column, value) in [
+        (Frame::LENS_RIGHT, radius),
+        (Frame::LENS_UP, 2.0 * radius),
+        (Frame::LENS_SIZE, 0.5),
+        (Frame::FOCUS, 4.0 * focus as f32),
+        (Frame::LENS_SHARE, 2.0),
+    ] {
         bench.set(column, 0, value);
     }
     let mut squares = 0.0;

@@ -106,3 +106,31 @@ fn a_thin_lens_shows_what_pinholes_on_it_do() {
     let found = renders(&of(&thin), &thin, side(), 1..1 + RENDERS);
     assert_eq!(fault("thin lens", &found, &mean_and_variance(&expected)), None);
 }
+
+/// T22, and the limits: whatever the size of a lens and the depth in focus, all is finite. What is in focus infinitely far away does not
+/// depend on how far, a lens without a size is a pinhole, and a tiny one shows the same at any size.
+#[test]
+fn lenses_of_any_size_show_their_limits() {
+    let lens = |[aperture, focus]: [f64; 2]| with(Lens::Thin { yfov: 1.0, aperture, focus });
+    let seen = |renderer: &Renderer, camera: &Camera| image(renderer, camera, [24; 2], 4, 22);
+    let renderer = of(&lens([1.0; 2]));
+    let thin = |numbers: [f64; 2]| seen(&renderer, &lens(numbers));
+    let two = |k: i32| 2.0_f64.powi(k);
+    let pinhole = with(Lens::Pinhole { yfov: 1.0 });
+    let pinhole = seen(&of(&pinhole), &pinhole);
+    let far = thin([0.1, two(60)]);
+    let tiny = thin([two(-44), two(-40)]);
+    assert!(far != pinhole && tiny != pinhole && tiny != far);
+    for k in [63, 64, 66, 100, 127] {
+        assert!(thin([0.1, two(k)]) == far, "in focus at 2^{k}");
+        assert!(thin([two(-k), 2.0]) == pinhole, "a lens of 2^-{k}");
+        assert!(thin([two(-k), two(k)]) == pinhole, "a lens of 2^-{k} in focus at 2^{k}");
+        assert!(thin([two(-k - 4), two(-k)]) == tiny, "a lens of 2^{} in focus at 2^-{k}", -k - 4);
+    }
+    let sizes =
+        [f32::from_bits(1), f32::MIN_POSITIVE, 1e-30, 1e-20, 1e-6, 1.0, 1e6, 1e20, 1e30, f32::MAX].map(f64::from);
+    for numbers in sizes.iter().flat_map(|aperture| sizes.map(|focus| [*aperture, focus])) {
+        let bad = thin(numbers).pixels.iter().flatten().filter(|c| !c.is_finite() || **c < 0.0).count();
+        assert_eq!(bad, 0, "aperture and focus {numbers:?}");
+    }
+}

@@ -390,6 +390,11 @@ pub struct Place {
     pub absorption: Absorption,
 }
 
+/// The largest power of two that is no more than a number.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & (0x7ff << 52))
+}
+
 /// The [`Frame`] table of a pass.
 pub fn frame(camera: &Camera, Place { origin, absorption }: Place, pass: &Pass) -> Memory {
     use Frame as F;
@@ -408,8 +413,12 @@ pub fn frame(camera: &Camera, Place { origin, absorption }: Place, pass: &Pass) 
     row.set_all([F::ABSORPTION_R, F::ABSORPTION_G, F::ABSORPTION_B], absorption);
     if let Lens::Thin { aperture, focus, .. } = camera.lens {
         let radius = aperture / 2.0;
-        let lens = [radius / (half * aspect), radius / half, focus].map(|x| x as f32);
-        row.set_all([F::LENS_RIGHT, F::LENS_UP, F::FOCUS], lens);
+        let [size, unit] = [radius, radius.max(focus)].map(power_of_two_below);
+        let lens = [radius / size / (half * aspect), radius / size / half, size].map(|x| x as f32);
+        row.set_all([F::LENS_RIGHT, F::LENS_UP, F::LENS_SIZE], lens);
+        // A lower depth shows nowhere but in the middle of the lens: what random numbers draw beside it is 2^-24 of the radius away.
+        let focus = (focus / unit).max(f64::exp2(-60.0));
+        row.set_all([F::FOCUS, F::LENS_SHARE], [focus, size / unit].map(|x| x as f32));
     }
     table.finish()
 }
