@@ -73,11 +73,6 @@ impl Contestant {
         }
     }
 
-    /// Is it this program?
-    pub fn is_ours(&self) -> bool {
-        matches!(self, Contestant::Ours(_))
-    }
-
     /// Renders so many samples per pixel from scratch.
     ///
     /// # Errors
