@@ -110,7 +110,8 @@ impl Components {
         self
     }
 
-    /// And a light, for `LightKind::Own`.
+    /// And a light, for `LightKind::Own`. The bidirectional tracer refuses it: its weights compare the densities of all ways to draw
+    /// a path, and those of a light it does not know it cannot tell. The path tracer and the light tracer ask the light itself.
     pub fn light(mut self, light: Own<MakeLight>) -> Components {
         assert!(self.lights.iter().all(|l| l.name != light.name), "there is a light `{}`", light.name);
         self.lights.push(light);

@@ -1,5 +1,6 @@
 //! A lamp without extent that shines forwards, the less the further from its axis.
 //!
+//! - Tracers: the path tracer and the light tracer; the bidirectional one refuses lights that it does not know.
 //! - Numbers: `exponent` n in [0, 100]. Its intensity, W/sr, is that of the axis times cosⁿ of the angle to it, 0 backwards.
 
 use jerboa_ir::lang::{F32, Fun, Row};

@@ -134,6 +134,12 @@ pub(super) fn check_tracer(tables: &Tables, options: &Options) -> Result<(), Err
              tracer, or take the sizes away",
         ));
     }
+    if let (TracerKind::Bidirectional, Some(name)) = (options.tracer, tables.own_light()) {
+        return Err(Error::new(format!(
+            "light \"{name}\" is of a user's crate, and the bidirectional tracer cannot weigh what it does not know: choose the \
+             path tracer or the light tracer, or take the light away"
+        )));
+    }
     Ok(())
 }
 

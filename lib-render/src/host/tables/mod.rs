@@ -316,6 +316,14 @@ impl Tables {
         Place { origin: self.origin, absorption: self.media.at(camera.position() - self.origin, None) }
     }
 
+    /// What the first light of a user's crate is called, if one shines.
+    pub fn own_light(&self) -> Option<&'static str> {
+        let rows = self.memory[binding::<Lights>()].words.chunks(Lights::COLUMNS.len()).take(self.lights.all as usize);
+        let own = |row: &[u32]| row[Lights::KIND.0 as usize].checked_sub(LIGHT_OWN);
+        let light = rows.filter_map(own).next()?;
+        self.library.components().lights().get(light as usize).map(|light| light.name)
+    }
+
     /// Does this material emit?
     pub fn is_emissive(&self, material: usize) -> bool {
         let row = self.memory[binding::<Materials>()].words.chunks(Materials::COLUMNS.len()).nth(material);
