@@ -406,6 +406,34 @@ fn explain_says_why_and_trace_follows_a_path() {
     }
 }
 
+/// Commands that look into a render draw the numbers that it draws, with the same words and without any.
+#[test]
+fn what_is_traced_dumped_explained_and_timed_is_what_is_rendered() {
+    let desk = Desk::new();
+    for words in ["", "--sampler independent", "--scrambles 8 --seed 3"] {
+        let text = desk.ok(&format!("trace builtin:material-balls --pixel 120,200 --sample 0 {words}"));
+        let (_, radiance) = text.rsplit_once("radiance [").expect("the last lines");
+        let numbers = radiance.split_once(']').expect("three numbers").0.split(", ");
+        let traced: Vec<f32> = numbers.map(|x| x.parse().expect("a number")).collect();
+        desk.ok(&format!("render builtin:material-balls --crop 120,200,1,1 --spp 1 -o a.exr {words}"));
+        let rendered = Image::read(&desk.path().join("a.exr")).expect("an image").pixels[0];
+        assert!(rendered[1] > 0.0 && traced == rendered, "{words}: {traced:?} and {rendered:?}");
+    }
+    for command in ["dump builtin:tiny --stage residual --kernel generate", "explain builtin:tiny --kernel generate"] {
+        let [unsaid, sobol, independent] =
+            ["", "--sampler sobol", "--sampler independent"].map(|words| desk.ok(&format!("{command} {words}")));
+        // The log ends with times.
+        let lines = |text: &str| text.lines().filter(|l| !l.contains(" us  ")).map(str::to_string).collect::<Vec<_>>();
+        assert!(lines(&unsaid) == lines(&sobol) && lines(&unsaid) != lines(&independent), "{command}");
+    }
+    let nodes =
+        |words: &str| desk.json(&format!("time builtin:tiny --json {words}"))["kernels"][0]["nodes_after"].as_u64();
+    assert!(nodes("") == nodes("--sampler sobol") && nodes("") > nodes("--sampler independent"));
+    let mean =
+        |words: &str| desk.json(&format!("bench stability --scene tiny --spp 4 --json {words}"))[0]["mean"].as_f64();
+    assert!(mean("") == mean("--sampler sobol") && mean("") != mean("--sampler independent"));
+}
+
 #[test]
 fn every_error_is_one_readable_line() {
     let desk = Desk::new();

@@ -7,7 +7,7 @@ use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::image_io::{Image, luminance};
 use jerboa_lib_render::host::renderer::{Options, Renderer};
 use jerboa_lib_render::host::stability::measure;
-use jerboa_lib_render::host::tables::Pass;
+use jerboa_lib_render::host::tables::{Choices, Pass};
 use jerboa_scenes::{Environment, Scene, builtin};
 
 /// Scenes whose paths have a hundred edges and more: `jerboa bench stability` renders them, a test of seconds does not.
@@ -38,7 +38,8 @@ fn estimate(renderer: &Renderer, scene: &Scene, side: u32, window: Window, sampl
 #[test]
 fn hard_scenes_have_their_reference_values() {
     for (builtin, hard) in builtin::gallery().filter(|(b, _)| !LONG.contains(&b.name)) {
-        let outcome = measure(&load(builtin.name), &hard.reference, 4, 0).unwrap_or_else(|e| panic!("{e}"));
+        let measured = measure(&load(builtin.name), &hard.reference, 4, 0, [Choices::default()]);
+        let [outcome] = measured.unwrap_or_else(|e| panic!("{e}"));
         println!("{}: {:.6} ± {:.6}, {:+.2}", builtin.name, outcome.mean, outcome.standard_error, outcome.sigmas);
         assert!(outcome.passes(), "{}: {} for {:?}", builtin.name, outcome.mean, hard.reference);
         // The comparison can fail.

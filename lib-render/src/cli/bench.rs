@@ -8,10 +8,11 @@ use serde_json::{Value, json};
 
 use super::args::StabilityArgs;
 use super::in_pool;
+use super::scene::choices_of;
 use crate::host::error::Error;
 use crate::host::image_io::Image;
 use crate::host::sheet::{Tile, contact_sheet};
-use crate::host::stability::{Outcome, measure, measure_beside, naive};
+use crate::host::stability::{Outcome, measure, naive};
 
 /// Columns of the contact sheet.
 const COLUMNS: u32 = 7;
@@ -41,14 +42,14 @@ pub(super) fn stability(args: &StabilityArgs) -> Result<(String, Vec<&'static st
     if let Some(path) = &args.output {
         Image::check_target(path)?;
     }
-    let chosen = chosen(&args.scene)?;
+    let (chosen, choices) = (chosen(&args.scene)?, choices_of(&args.sampling));
     let measure = |(builtin, hard): (&'static Builtin, Hard)| {
         let scene = Scene::load(format!("builtin:{}", builtin.name)).map_err(|e| Error::new(e.to_string()))?;
-        let Some((words, choices)) = naive(builtin.name) else {
-            let outcome = measure(&scene, &hard.reference, args.spp, args.seed)?;
+        let Some((words, other)) = naive(builtin.name, choices) else {
+            let [outcome] = measure(&scene, &hard.reference, args.spp, args.seed, [choices])?;
             return Ok(Row { builtin, hard, outcome, naive: None });
         };
-        let [outcome, naive] = measure_beside(&scene, &hard.reference, args.spp, args.seed, choices)?;
+        let [outcome, naive] = measure(&scene, &hard.reference, args.spp, args.seed, [choices, other])?;
         Ok(Row { builtin, hard, outcome, naive: Some((words, naive)) })
     };
     let rows: Vec<Row> = in_pool(args.threads, || chosen.into_iter().map(measure).collect::<Result<_, Error>>())?;

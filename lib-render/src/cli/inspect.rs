@@ -7,17 +7,17 @@ use jerboa_ir::{Program, print};
 use jerboa_peval::Residual;
 
 use super::args::{DumpArgs, ExplainArgs, KnownArg, StageArg};
-use super::scene::load;
+use super::scene::{choices_of, load};
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::generate::{Keep, Request, TracerKind, generate, generic_of, residual};
 use crate::host::gpu;
-use crate::host::tables::{Choices, Tables};
+use crate::host::tables::Tables;
 
 /// The text of a stage, one kernel after the other. The generic program and the residual of one kernel read back.
 pub(super) fn dump(args: &DumpArgs) -> Result<String, Error> {
     let (scene, _) = load(&args.scene, &args.select)?;
-    let tables = Tables::new(&scene, &Choices::default(), args.known.into());
+    let tables = Tables::new(&scene, &choices_of(&args.sampling), args.known.into());
     let on_gpu = matches!(args.stage, StageArg::Structured | StageArg::Naga | StageArg::Spirv);
     let device = if on_gpu { DeviceKind::GpuWavefront } else { DeviceKind::default() };
     let kernels = kernels(&tables, device, args.kernel.as_deref())?;
@@ -66,7 +66,7 @@ fn in_lanes(residual: &Program) -> Result<String, Error> {
 /// The evaluator's log of decisions.
 pub(super) fn explain(args: &ExplainArgs) -> Result<String, Error> {
     let (scene, _) = load(&args.scene, &args.select)?;
-    let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
+    let tables = Tables::new(&scene, &choices_of(&args.sampling), KnownArg::default().into());
     let mut text = String::new();
     for kernel in kernels(&tables, DeviceKind::default(), args.kernel.as_deref())? {
         let residual = residual(&tables, &kernel, Keep { log: true, dumps: false })?;

@@ -5,7 +5,10 @@ use std::time::{Duration, Instant};
 
 use jerboa_scenes::{Camera, Environment, Limits, Scene, Selection, Sky};
 
-use super::args::{DeviceArg, KnownArg, RenderArgs, SamplerArg, SelectArgs, ShadingNormalsArg, TraversalArg};
+use super::args::{
+    DeviceArg, KnownArg, RenderArgs, SamplerArg, SamplingArgs, SelectArgs, ShadingNormalsArg, TraversalArg,
+};
+use super::goal::Goal;
 use crate::host::device::{DeviceKind, Traversal};
 use crate::host::error::Error;
 use crate::host::gpu;
@@ -156,11 +159,60 @@ pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
         occlusion_distance: args.shown.ao_distance.unwrap_or(f32::INFINITY),
         camera: Some(CameraKind::of(camera)),
         solid_angle: args.solid_angle,
-        sampler: match args.sampler {
-            SamplerArg::Independent => SamplerKind::Independent,
-            SamplerArg::Sobol => SamplerKind::Sobol { log_scrambles: args.scrambles.ilog2() },
-        },
+        sampler: sampler(&args.sampling, Goal::is_grouped(args)),
         cull_back_faces: args.cull_back_faces,
         ..Choices::default()
+    }
+}
+
+/// The choices of a command that has words for sampling alone: those of `jerboa render` without other words.
+pub fn choices_of(sampling: &SamplingArgs) -> Choices {
+    Choices { sampler: sampler(sampling, false), ..Choices::default() }
+}
+
+/// The sampler that is asked for. Where nothing is said of sequences there is one, or as many as it takes for an image that is to
+/// tell its error.
+fn sampler(args: &SamplingArgs, tells_error: bool) -> SamplerKind {
+    match (args.sampler, args.scrambles) {
+        (SamplerArg::Independent, _) => SamplerKind::Independent,
+        (SamplerArg::Sobol, Some(scrambles)) => SamplerKind::Sobol { log_scrambles: scrambles.ilog2() },
+        (SamplerArg::Sobol, None) if tells_error => SamplerKind::SOBOL,
+        (SamplerArg::Sobol, None) => SamplerKind::Sobol { log_scrambles: 0 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+
+    fn rendered(words: &str) -> Choices {
+        let words = format!("jerboa render {words}");
+        let Command::Render(args) = Cli::try_parse_from(words.split_whitespace()).expect("words").command else {
+            panic!("another command")
+        };
+        Choices { camera: None, ..choices(&args, &Camera::look_at("", glam::DVec3::Z, glam::DVec3::ZERO, 1.0)) }
+    }
+
+    #[test]
+    fn who_asks_for_the_error_gets_sequences_that_tell_it() {
+        let sobol = |log_scrambles| SamplerKind::Sobol { log_scrambles };
+        let expected = [sobol(0), sobol(3), sobol(3), sobol(1), SamplerKind::Independent];
+        let words = ["", "--noise 0.01", "--variance", "--variance --scrambles 2", "--noise 1 --sampler independent"];
+        assert_eq!(words.map(|words| rendered(words).sampler), expected);
+    }
+
+    /// What the other commands show is what is rendered.
+    #[test]
+    fn what_is_not_said_is_one_for_all_commands() {
+        assert_eq!(choices_of(&SamplingArgs::default()), rendered(""));
+        let independent = SamplingArgs { sampler: SamplerArg::Independent, ..SamplingArgs::default() };
+        assert_eq!(choices_of(&independent), rendered("--sampler independent"));
+        assert_eq!(
+            choices_of(&SamplingArgs { scrambles: Some(4), ..SamplingArgs::default() }),
+            rendered("--scrambles 4")
+        );
     }
 }

@@ -6,12 +6,12 @@ use jerboa_peval::Report;
 use serde_json::{Value, json};
 
 use super::args::{KnownArg, TimeArgs};
-use super::scene::load;
+use super::scene::{choices_of, load};
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::generate::{Generated, Keep, TracerKind, generate, generic_of};
 use crate::host::gpu::{Emitted, RealMachine};
-use crate::host::tables::{Choices, Tables};
+use crate::host::tables::Tables;
 
 /// Times the phases for the scene, as one who has rendered no other scene in this process would see them.
 pub(super) fn run(args: &TimeArgs) -> Result<String, Error> {
@@ -20,7 +20,7 @@ pub(super) fn run(args: &TimeArgs) -> Result<String, Error> {
     generic_of(device, TracerKind::Path);
     let (scene, load) = load(&args.scene, &args.select)?;
     let start = Instant::now();
-    let tables = Tables::new(&scene, &Choices::default(), KnownArg::default().into());
+    let tables = Tables::new(&scene, &choices_of(&args.sampling), KnownArg::default().into());
     let load = load + start.elapsed().saturating_sub(tables.bvh_time);
     let made = if device.is_gpu() { on_gpu(&tables, device)? } else { on_cpu(&tables, device)? };
     let times = [("load", load), ("bvh", tables.bvh_time)].into_iter().chain(made.times);

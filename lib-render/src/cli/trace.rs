@@ -6,7 +6,7 @@ use jerboa_ir::interp::Observer;
 use jerboa_ir::{ContId, Lit, NodeId, Program, Role};
 
 use super::args::TraceArgs;
-use super::scene::{camera, film_size, load};
+use super::scene::{camera, choices_of, film_size, load};
 use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::film::Window;
@@ -25,8 +25,10 @@ pub(super) fn run(args: &TraceArgs) -> Result<String, Error> {
     if x >= size[0] || y >= size[1] {
         return Err(Error::new(format!("--pixel {x},{y} is not on the film of {}x{}", size[0], size[1])));
     }
-    let pass = Pass { size, window: Window { x, y, width: 1, height: 1 }, sample: args.sample, samples: 1, seed: 0 };
-    let renderer = Renderer::new(&scene, Options { device: DeviceKind::CpuScalar, ..Options::default() })?;
+    let window = Window { x, y, width: 1, height: 1 };
+    let pass = Pass { size, window, sample: args.sample, samples: 1, seed: args.seed };
+    let choices = choices_of(&args.sampling);
+    let renderer = Renderer::new(&scene, Options { device: DeviceKind::CpuScalar, choices, ..Options::default() })?;
     let program = generic().program();
     let mut steps = Steps { program, text: String::new(), current: None, non_finite: None };
     let kernel = TracerKind::Path.kernel();

@@ -1,6 +1,7 @@
 //! The gallery of hard cases: how fast a scene renders, and how far the picture is from what is right.
 //!
-//! A scene is rendered in [`BATCHES`] batches of samples. For a pixel p with batch means of variance s_p² the variance of the
+//! A scene is rendered in [`BATCHES`] batches of samples, each under a seed of its own, so that they are independent whatever the
+//! sampler. For a pixel p with batch means of variance s_p² the variance of the
 //! mean over N pixels is Σ s_p² / ([`BATCHES`] N²), since pixels are independent; so even a few samples per pixel tell the
 //! standard error well, except where most of the light comes by rare samples. The error is stated in standard errors, those
 //! of the reference included, with [`ROUNDING`] of the reference granted as one more for what single precision rounds. A
@@ -79,9 +80,8 @@ impl Outcome {
 }
 
 /// What a naive renderer does in a scene of the gallery, where it takes no more than other words of `jerboa render`: these words,
-/// and the choices that they stand for.
-pub fn naive(scene: &str) -> Option<(&'static str, Choices)> {
-    let all = Choices::default();
+/// and the choices that they stand for; all else as in `all`.
+pub fn naive(scene: &str, all: Choices) -> Option<(&'static str, Choices)> {
     Some(match scene {
         "tiny" => ("--ray-offset 0.001", Choices { ray_offset: 1e-3, ..all }),
         "closed-box-80" | "facing-mirrors" | "glass-trap" => ("--max-depth 8", Choices { max_depth: Some(8), ..all }),
@@ -96,31 +96,12 @@ pub fn naive(scene: &str) -> Option<(&'static str, Choices)> {
     })
 }
 
-/// Renders a scene with `spp` samples per pixel, rounded up to a multiple of [`BATCHES`].
+/// Renders a scene with `spp` samples per pixel, rounded up to a multiple of [`BATCHES`]: batch by batch, by each of these choices in
+/// turn.
 ///
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render_with`].
-pub fn measure(scene: &Scene, reference: &Reference, spp: u32, seed: u32) -> Result<Outcome, Error> {
-    let [outcome] = in_turn(scene, reference, spp, seed, [Choices::default()])?;
-    Ok(outcome)
-}
-
-/// The same, and beside it by other choices.
-///
-/// # Errors
-/// As [`measure`].
-pub fn measure_beside(
-    scene: &Scene,
-    reference: &Reference,
-    spp: u32,
-    seed: u32,
-    other: Choices,
-) -> Result<[Outcome; 2], Error> {
-    in_turn(scene, reference, spp, seed, [Choices::default(), other])
-}
-
-/// Renders batch by batch, by each of these choices in turn.
-fn in_turn<const N: usize>(
+pub fn measure<const N: usize>(
     scene: &Scene,
     reference: &Reference,
     spp: u32,
@@ -137,7 +118,9 @@ fn in_turn<const N: usize>(
     let mut runs = choices.into_iter().map(run).collect::<Result<Vec<Run>, Error>>()?;
     for batch in 0..BATCHES {
         for run in &mut runs {
-            run.batch(&camera, Render { sample: batch * batch_spp, spp: batch_spp, seed })?;
+            // Told apart by the highest bits, which nobody uses who counts seeds from 0.
+            let seed = seed ^ batch << (u32::BITS - BATCHES.ilog2());
+            run.batch(&camera, Render { sample: 0, spp: batch_spp, seed })?;
         }
     }
     let samples = u64::from(BATCHES * batch_spp) * u64::from(size[0]) * u64::from(size[1]);
@@ -247,9 +230,10 @@ mod tests {
     /// A name that the gallery has no more would be measured against nothing.
     #[test]
     fn what_is_naive_belongs_to_the_gallery() {
-        let with_words = gallery().filter_map(|(b, _)| naive(b.name)).count();
+        let all = Choices::default();
+        let with_words = gallery().filter_map(|(b, _)| naive(b.name, all)).count();
         assert_eq!(with_words, 8);
-        assert!(gallery().filter_map(|(b, _)| naive(b.name)).all(|(_, choices)| choices != Choices::default()));
+        assert!(gallery().filter_map(|(b, _)| naive(b.name, all)).all(|(_, choices)| choices != all));
     }
 
     /// A reference is a mean over a picture of one shape.

@@ -52,8 +52,8 @@ pub struct Reference {
 pub enum Source {
     /// A formula, or a quadrature of one in double precision to all digits shown.
     ClosedForm,
-    /// `jerboa bench stability --scene NAME --spp SPP --seed 1 --json`: our own renderer, summed exactly, with the seed 1,
-    /// which no other default uses.
+    /// `jerboa bench stability --scene NAME --spp SPP --sampler independent --seed 1 --json`: our own renderer, summed exactly, with the
+    /// seed 1, which no other default uses.
     Rendered {
         /// Samples per pixel.
         spp: u32,

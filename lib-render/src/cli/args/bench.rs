@@ -1,7 +1,7 @@
 //! The words of `jerboa bench`.
 
 use super::values::TraversalArg;
-use super::{DEFAULT_SCENE, SelectArgs};
+use super::{DEFAULT_SCENE, SamplingArgs, SelectArgs};
 use crate::cli::efficiency::ErrorArgs;
 use crate::cli::figures::{BatchArgs, BenchDevicesArgs, Figure2Args, Figure5Args, Table2Args};
 use clap::{Args, Subcommand};
@@ -75,6 +75,9 @@ pub struct StabilityArgs {
     /// Samples per pixel, rounded up to a multiple of 4
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
     pub spp: u32,
+    /// How random numbers are drawn.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
     /// Another seed gives other, independent images
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u32,

@@ -3,6 +3,7 @@
 mod bench;
 mod parts;
 mod render;
+mod sampling;
 #[cfg(test)]
 mod tests;
 mod values;
@@ -16,6 +17,7 @@ pub use super::shown::{AovArg, ShownArgs, TracerArg};
 pub use bench::*;
 pub use parts::*;
 pub use render::*;
+pub use sampling::*;
 pub use values::*;
 
 /// A path tracer that specialises itself for the scene it is given. Of a word given twice, the last counts.
@@ -74,6 +76,9 @@ pub struct DumpArgs {
     /// What the renderer is specialised for
     #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
     pub known: KnownArg,
+    /// How random numbers are drawn.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
 }
 
 /// Words of `jerboa time`.
@@ -87,6 +92,9 @@ pub struct TimeArgs {
     /// For which device
     #[arg(long, value_name = "DEVICE", value_enum, default_value_t = DeviceArg::Cpu)]
     pub device: DeviceArg,
+    /// How random numbers are drawn.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
     /// Print the times as JSON
     #[arg(long)]
     pub json: bool,
@@ -103,6 +111,9 @@ pub struct ExplainArgs {
     /// This kernel only [default: all]
     #[arg(long, value_name = "NAME")]
     pub kernel: Option<String>,
+    /// How random numbers are drawn.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
 }
 
 /// Words of `jerboa trace`.
@@ -119,6 +130,12 @@ pub struct TraceArgs {
     /// Number of the sample, from 0
     #[arg(long, value_name = "N")]
     pub sample: u32,
+    /// How random numbers are drawn.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
+    /// The seed of the image
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u32,
 }
 
 /// Words of `jerboa compare`.

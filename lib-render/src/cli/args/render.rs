@@ -1,7 +1,7 @@
 //! The words of `jerboa render`.
 
 use super::values::*;
-use super::{DEFAULT_SCENE, PartArgs, ShownArgs};
+use super::{DEFAULT_SCENE, PartArgs, SamplingArgs, ShownArgs};
 use clap::Args;
 use clap::builder::ArgPredicate;
 use std::path::PathBuf;
@@ -51,14 +51,9 @@ pub struct RenderArgs {
     /// Longest path in edges: 1 sees lights, 2 adds direct light [default: unlimited]
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
-    /// How random numbers are drawn
-    #[arg(long, value_name = "SAMPLER", value_enum, default_value_t)]
-    pub sampler: SamplerArg,
-    /// Independent sequences that the Sobol points of a pixel come from: 1, 2, 4, …; by fewer there is less error, by 8 the
-    /// image tells it, so 8 with --noise or --variance, if nothing else is said
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = power_of_two)]
-    #[arg(default_value_ifs([("noise", ArgPredicate::IsPresent, Some("8")), ("variance", ArgPredicate::Equals("true".into()), Some("8"))]))]
-    pub scrambles: u32,
+    /// How random numbers are drawn.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
     /// Another seed gives another, independent image
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u32,
