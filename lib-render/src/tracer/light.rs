@@ -8,7 +8,8 @@
 //! is missing (the bidirectional tracer finds it from the other side).
 //!
 //! The path of (pixel, sample) is a function of both and the seed, in a stream of numbers of its own; which pixels its light
-//! falls on does not depend on them. Path vertices count from 0, the light. Roulette goes by the share of the emitted light
+//! falls on does not depend on them. So of Sobol points the samples of each pixel are a set of their own here too: they fill the space
+//! of numbers evenly, those of all pixels together by chance. Path vertices count from 0, the light. Roulette goes by the share of the emitted light
 //! that is left.
 
 use jerboa_ir::impl_staged;

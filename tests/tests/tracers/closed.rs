@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_1_PI;
 use glam::{DAffine3, DVec3, Vec3};
 use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::renderer::Renderer;
-use jerboa_lib_render::host::tables::Choices;
+use jerboa_lib_render::host::tables::{Choices, SamplerKind};
 use jerboa_scenes::{Camera, Environment, Instance, LightKind, Material, Mesh, Scene};
 use jerboa_tests::harness::analytic::{
     Closed, Look, enclosures, glowing_box, inside_out, light, place, rectangle, sphere,
@@ -43,8 +43,8 @@ fn takes_all() -> bool {
     number("JERBOA_ALL", 0) > 0
 }
 
-/// T4, with roulette from the third scattering and from the first (T16): which paths survive changes no mean. The light
-/// tracer sees all but what glowing walls send to the camera themselves.
+/// T4, with both samplers, and with roulette from the third scattering and from the first (T16): which paths survive changes no mean.
+/// The light tracer sees all but what glowing walls send to the camera themselves.
 #[test]
 fn closed_forms_of_enclosures() {
     let faults = |(closed, tracer): (&Closed, TracerKind)| -> Vec<String> {
@@ -52,15 +52,17 @@ fn closed_forms_of_enclosures() {
         let glow = scene.materials.iter().map(|m| f64::from(m.emissive[0])).fold(0.0, f64::max);
         let (look, truth) = &looks[0];
         let truth = if tracer == TracerKind::Light { truth - glow } else { *truth };
-        let from = |rr_depth: u32| {
-            let choices = Choices { rr_depth: Some(rr_depth), ..Choices::default() };
-            let what = format!("{name}, {}, roulette from {rr_depth}", tracer.kernel());
+        let from = |(sampler, rr_depth): (SamplerKind, u32)| {
+            let choices = Choices { rr_depth: Some(rr_depth), sampler, ..Choices::default() };
+            let what = format!("{name}, {}, roulette from {rr_depth}, {sampler:?}", tracer.kernel());
             // Most paths from a sky miss a body in it.
             let effort = if tracer == TracerKind::Light && scene.environment.is_some() { 8 } else { 1 };
             let spp = effort * number("JERBOA_SPP", 16) as u32;
             fault(&what, &renderer(scene, tracer, choices), look, spp, [truth; 3], *facets)
         };
-        [1, 3].into_iter().filter_map(from).collect()
+        let (independent, sobol) = (SamplerKind::Independent, SamplerKind::Sobol { log_scrambles: 0 });
+        let rows = [(independent, 1), (independent, 3), (sobol, 1), (sobol, 3)];
+        rows.into_iter().take(if takes_all() { 4 } else { 3 }).filter_map(from).collect()
     };
     let rows = enclosures();
     let rows = rows.iter().filter(|c| takes_all() || c.name.ends_with("albedo 0.5"));
