@@ -3,6 +3,7 @@
 //!
 //! * [`agreement`]: they agree with the path tracer (T13),
 //! * [`lenses`]: what lenses show agrees with what pinholes do (T13),
+//! * [`roulette`]: what roulette costs (T16),
 //! * [`closed`]: closed forms (T4, T16), with and without what absorbs, and nothing through a closed wall (T19),
 //! * [`bits`]: what changes no bit (T21), and that every sample of the built-in scenes is a number (T22).
 
@@ -10,6 +11,7 @@ mod agreement;
 mod bits;
 mod closed;
 mod lenses;
+mod roulette;
 
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::generate::TracerKind;
