@@ -253,16 +253,28 @@ fn closed_instances_have_no_holes() {
     println!("{sent} rays hit");
 }
 
-/// Two instances in the same place, so that each surface has a twin with other numbers, and each triangle has neighbours.
+/// A cube from -1 to 1 about a point of its mesh's frame, whose zero has a speck of its own.
+fn cube_at(middle: DVec3) -> Vec<Triangle> {
+    let moved = |p: V| (DVec3::from(p.map(f64::from)) + middle).as_vec3().to_array();
+    let speck = [[0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]];
+    (SHAPES[1].triangles)().into_iter().map(|t| t.map(moved)).chain([speck]).collect()
+}
+
+/// Two instances in the same place, so that each surface has a twin with other numbers, and each triangle has neighbours. A cube
+/// that is far from zero of its mesh's frame, but not from that of the world, is known by what transforms have rounded alone; there a
+/// normal is off by up to 1e-3, so no ray leaves at less than a hundredth.
 #[test]
 fn no_ray_meets_the_instance_it_leaves_or_its_twin() {
     let mut random = Random::new(0x5eed_2004);
     let mut bench = bench();
     let (mut left, mut met) = (0, 0);
-    for scale in [1e-3, 0.03, 1.0, 30.0, 1e3] {
+    let middles = [(DVec3::ZERO, 4.0), (DVec3::new(600.0, -700.0, 400.0), 2.0)];
+    let scales = [1e-3, 0.03, 1.0, 30.0, 1e3];
+    for ((middle, grazing), scale) in middles.into_iter().flat_map(|m| scales.map(|scale| (m, scale))) {
         for _ in 0..4 {
             let place = any_place(&mut random, 3.0, 2.0) * DAffine3::from_scale(DVec3::splat(scale));
-            let scene = scene(mesh(&(SHAPES[1].triangles)(), 0), &[place, place]);
+            let to_world = place * DAffine3::from_translation(-middle);
+            let scene = scene(mesh(&cube_at(middle), 0), &[to_world, to_world]);
             assert_eq!(rows_of_primitives(&load(&mut bench, &scene, &shared())) as usize, in_world(&scene).len() / 2);
             let matrix = place.matrix3;
             for _ in 0..rays() / 20 {
@@ -271,7 +283,7 @@ fn no_ray_meets_the_instance_it_leaves_or_its_twin() {
                 let (axis, side) = (random.below(3), if random.uniform() < 0.5 { -1.0 } else { 1.0 });
                 p[axis] = side;
                 let mut away = random.point().map(f64::from);
-                away[axis] = side * 10.0_f64.powf(-4.0 * random.uniform());
+                away[axis] = side * 10.0_f64.powf(-grazing * random.uniform());
                 let target = place.transform_point3(DVec3::from(p));
                 let org = target + matrix * (DVec3::from(away) + DVec3::from(random.point().map(f64::from)) * 0.01);
                 let dir = (matrix * DVec3::from(away)).as_vec3().to_array().map(f32::to_bits);
@@ -285,7 +297,7 @@ fn no_ray_meets_the_instance_it_leaves_or_its_twin() {
         }
     }
     println!("{met} of {left} rays met the surface they left, or its twin");
-    assert!(left > rays() / 2 && met == 0, "{met} of {left}");
+    assert!(left > rays() && met == 0, "{met} of {left}");
 }
 
 /// Exact instances of something whole and of something with holes, in a room with a lamp, under a sky.
