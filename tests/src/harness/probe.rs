@@ -8,11 +8,15 @@ use jerboa_lib_render::core::color::{Color, white};
 use jerboa_lib_render::core::rng::Rng;
 use jerboa_lib_render::core::vec::{Vec2, Vec3};
 use jerboa_lib_render::geometry::{Frame3, SurfaceElement};
+use jerboa_lib_render::host::device::Traversal;
+use jerboa_lib_render::host::library::Library;
+use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_lib_render::lobes::Lobe;
 use jerboa_lib_render::material::Material;
 use jerboa_lib_render::ray::{Hit, Ray};
 use jerboa_lib_render::schema::*;
 use jerboa_lib_render::shader::make_shader;
+use jerboa_scenes::Scene;
 
 use super::bench::{Bench, Random};
 
@@ -65,6 +69,8 @@ pub struct Sampled {
 /// A surface at the origin whose material can be set and asked.
 pub struct Probe {
     bench: Bench,
+    /// Whose models these are.
+    library: Library,
     /// Their names, by number.
     models: Vec<&'static str>,
     /// Geometric normal.
@@ -121,9 +127,11 @@ impl Default for Probe {
                     (s, f, bsdf.pdf.call(b, (s.wi, wo)))
                 }),
             );
+            entry("normal", Fun::lam(|b, (g, n): (Vec3, Vec3)| material(b, g, n).normal));
         };
         let bench = components.within(|| Bench::new(author));
-        Probe { bench, models, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
+        let library = Library::new(components);
+        Probe { bench, library, models, face: [0.0, 0.0, 1.0], normal: [0.0, 0.0, 1.0] }
     }
 }
 
@@ -140,6 +148,14 @@ impl Probe {
         }
         (self.face, self.normal) = ([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
         self.number(Materials::IOR, 1.5)
+    }
+
+    /// The first material of a scene, as the host lays it out, at texture coordinates of 0; free normals.
+    pub fn load(&mut self, scene: &Scene) -> &mut Probe {
+        let choices = Choices { consistent_normals: false, ..Choices::default() };
+        self.bench.load(&Tables::of(&self.library, scene, &choices, Known::Nothing, Traversal::Ir));
+        (self.face, self.normal) = ([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
+        self
     }
 
     /// Does the geometric normal tell the sides apart?
@@ -262,6 +278,27 @@ impl Probe {
             .number(Materials::COAT_ROUGHNESS, roughness)
     }
 
+    /// An image of one texel, which all textures are.
+    fn texel(&mut self, rgba: [u8; 4]) -> &mut Probe {
+        self.bench.rows::<Textures>(1);
+        self.bench.rows::<Texels>(1);
+        self.bench.set(Textures::WIDTH, 0, 1u32);
+        self.bench.set(Textures::HEIGHT, 0, 1u32);
+        self.bench.set(Texels::RGBA, 0, u32::from_le_bytes(rgba));
+        self
+    }
+
+    /// A normal map of one texel on what is there, which a coat does not have.
+    pub fn normal_map(&mut self, [r, g, b]: [u8; 3]) -> &mut Probe {
+        self.texel([r, g, b, 255]).flag(Materials::NORMAL_TEXTURED, true).number(Materials::NORMAL_SCALE, 1.0)
+    }
+
+    /// The same on the coat, which what it covers does not have.
+    pub fn coat_normal_map(&mut self, [r, g, b]: [u8; 3]) -> &mut Probe {
+        self.texel([r, g, b, 255]).flag(Materials::COAT_NORMAL_TEXTURED, true);
+        self.number(Materials::COAT_NORMAL_SCALE, 1.0)
+    }
+
     /// A blend: so much of white metal of this roughness, the rest Lambert's surface, coloured.
     pub fn blend(&mut self, share: f32, roughness: f32) -> &mut Probe {
         self.model("blend", &[share]);
@@ -279,6 +316,12 @@ impl Probe {
         self.bench.set(Materials::FIRST, 0, 1u32);
         self.bench.set(Materials::SECOND, 0, 2u32);
         self
+    }
+
+    /// The shading normal that goes with f, by the normal map too.
+    pub fn shading_normal(&mut self) -> V {
+        let n = self.bench.run_floats("normal", &[self.face, self.normal].concat());
+        [n[0], n[1], n[2]]
     }
 
     /// f, pdf, is the whole specular?

@@ -6,8 +6,10 @@
 //! - `JERBOA_COSINES=1000000` cosines for each index in T12 instead of 20,000.
 
 mod density;
+mod directions;
 mod energy;
 mod formulas;
 mod fresnel;
 mod model;
 mod reciprocity;
+mod textured;
