@@ -8,7 +8,7 @@
 //! - [`lights`]: lights of a whole scene, asked for choices, samples and densities; and the table of them.
 //! - [`functions`]: the math library, one row a function; exhaustive sweeps and special values.
 //! - [`probe`]: a material on one surface, asked for f, pdf and samples.
-//! - [`scattering`]: the table of BSDFs under test.
+//! - [`scattering`]: the table of BSDFs under test, and [`slopes`], those of its rows whose normals a map tilts.
 //! - [`chi2`]: samples against the density stated for them, over the sphere, the square or the line.
 //! - [`quadrature`]: integrals in f64.
 //! - [`streams`]: random numbers, asked for in bulk, and what is counted in them.
@@ -35,6 +35,7 @@ pub mod lights;
 pub mod functions;
 pub mod probe;
 pub mod scattering;
+pub mod slopes;
 pub mod lobes;
 pub mod chi2;
 pub mod quadrature;

@@ -26,9 +26,10 @@ use jerboa_lib_render::schema::Materials;
 use super::lobes::{film, sheen, stretched_microfacets};
 use super::probe::Probe;
 use super::quadrature::{gauss, rectangle};
+use super::slopes;
 
 /// Index of the dielectrics here.
-const INDEX: f64 = 1.5;
+pub(super) const INDEX: f64 = 1.5;
 
 /// A BSDF, and what is claimed about it.
 pub struct Row {
@@ -42,13 +43,15 @@ pub struct Row {
     pub index: f64,
     /// Share of light from everywhere that is returned towards a cosine (negative: inside); green.
     pub returned: Option<Box<dyn Fn(f64) -> f64>>,
+    /// Has all of it one normal? f is relative to the cosine of one, so it is reciprocal only then.
+    pub has_one_normal: bool,
 }
 
 impl Row {
     /// An opaque BSDF of unknown energy.
     pub fn new(name: impl Into<String>, make: impl Fn(&mut Probe) -> &mut Probe + 'static) -> Row {
         let make = Box::new(move |probe: &mut Probe| _ = make(probe));
-        Row { name: name.into(), make, passes: false, index: 1.0, returned: None }
+        Row { name: name.into(), make, passes: false, index: 1.0, returned: None, has_one_normal: true }
     }
 
     /// Light comes through, to an inside of this index, 1 where it does not bend.
@@ -103,11 +106,12 @@ pub fn rows() -> Vec<Row> {
     rows.push(Row::new("mirror", |p| p.model("mirror", &[]).coloured()).returns(|_| 0.5));
     rows.extend([(0.3, 0.0), (0.3, 0.25), (1.0, 0.5)].map(blend));
     rows.extend([1.0, 2.0, 8.0].map(minnaert_of));
+    rows.extend(slopes::rows());
     rows
 }
 
 /// α as the material finds it, from the roughness that is set.
-fn widths(alpha: f64) -> (f32, f64) {
+pub(super) fn widths(alpha: f64) -> (f32, f64) {
     let roughness = alpha.sqrt() as f32;
     (roughness, f64::from(roughness * roughness))
 }
@@ -152,7 +156,7 @@ fn medley(alpha: f64) -> Row {
 }
 
 /// A sheen alone; below 0.26 its roughness is 0.26.
-fn sheen_on_nothing(roughness: f64) -> Row {
+pub(super) fn sheen_on_nothing(roughness: f64) -> Row {
     let set = roughness as f32;
     let row =
         Row::new(format!("sheen {roughness}"), move |p| p.lambert().flag(Materials::HAS_DIFFUSE, false).sheen(set));
@@ -187,7 +191,7 @@ fn glossy_leaf(alpha: f64) -> Row {
     })
 }
 
-fn film_on_metal(alpha: f64, nanometres: f64) -> Row {
+pub(super) fn film_on_metal(alpha: f64, nanometres: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let name = format!("film on metal {alpha:.3} {nanometres}");
     let row = Row::new(name, move |p| p.metal(roughness).coloured().film(1.0, nanometres as f32));
@@ -196,7 +200,7 @@ fn film_on_metal(alpha: f64, nanometres: f64) -> Row {
 }
 
 /// White under a film: what passes has the colour of what is under it.
-fn film_on_plastic(index: f64, alpha: f64, nanometres: f64) -> Row {
+pub(super) fn film_on_plastic(index: f64, alpha: f64, nanometres: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let name = format!("film on plastic of {index} {alpha:.3} {nanometres}");
     let row =
@@ -213,7 +217,7 @@ fn film_on_plastic(index: f64, alpha: f64, nanometres: f64) -> Row {
 }
 
 /// A coat of this strength over Lambert's surface: what it reflects, and what passes it in and out again.
-fn coat(strength: f64, alpha: f64) -> Row {
+pub(super) fn coat(strength: f64, alpha: f64) -> Row {
     let (roughness, alpha) = widths(alpha);
     let row = Row::new(format!("coat {strength} {alpha:.3}"), move |p| p.lambert().coat(strength as f32, roughness));
     let passing_out = gauss::<64>(0.0, 1.0, |c| (1.0 - strength * fresnel(c, INDEX)) * 2.0 * c);

@@ -99,7 +99,7 @@ fn sample_pdf_and_eval_are_one_model() {
                     continue;
                 }
                 assert_eq!(s.pdf, s.pdf_there, "{name}: {s:?}");
-                let cos = dot(s.wi, probe.normal).abs();
+                let cos = dot(s.wi, probe.shading_normal()).abs();
                 for (w, f) in s.weight.iter().zip(s.f_there) {
                     let expected = f64::from(f) * cos / f64::from(s.pdf);
                     // The cosine is a rounded scalar product: near grazing it has few digits.

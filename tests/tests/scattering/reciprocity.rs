@@ -3,7 +3,7 @@
 //! The directions are the same floats both ways, so nothing is allowed for their rounding, nor for the steepness of a lobe.
 
 use jerboa_tests::harness::bench::{Random, number};
-use jerboa_tests::harness::probe::{Probe, V, random_direction};
+use jerboa_tests::harness::probe::{Probe, V, dot, random_direction};
 use jerboa_tests::harness::scattering::rows;
 
 #[test]
@@ -11,9 +11,10 @@ fn scattering_is_reciprocal() {
     let mut random = Random::new(0x8);
     let mut probe = Probe::default();
     let (mut faults, mut worst) = (Vec::new(), (0.0, String::new()));
-    for row in rows() {
+    for row in rows().into_iter().filter(|row| row.has_one_normal) {
         (row.make)(&mut probe);
-        let index2 = |w: V| if w[2] < 0.0 { row.index * row.index } else { 1.0 };
+        let normal = probe.shading_normal();
+        let index2 = |w: V| if dot(w, normal) < 0.0 { row.index * row.index } else { 1.0 };
         for key in 0..number("JERBOA_PAIRS", 1000) as u32 {
             let a = random_direction(&mut random);
             // Narrow lobes are met by sampling only.
