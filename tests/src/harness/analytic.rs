@@ -33,6 +33,7 @@ use crate::sources::root;
 mod bodies;
 mod direct;
 mod enclosures;
+mod painted;
 mod plates;
 mod seen;
 
@@ -81,6 +82,7 @@ impl Closed {
         for m in scene.materials.iter_mut().filter(|m| m.is_emissive()) {
             let [r, g, b] = m.emissive;
             (m.base_color, m.emissive, m.unlit) = ([r, g, b, 1.0], [0.0; 3], true);
+            m.base_color_texture = m.emissive_texture.take();
         }
         renderer(&scene, self.choices)
     }

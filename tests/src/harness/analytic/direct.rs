@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use jerboa_lib_render::host::tables::Choices;
 use jerboa_scenes::{Camera, Environment, LightKind, Material, Mesh, Scene};
 
+use super::painted::painted;
 use super::{Closed, Look, inradius, light, place, rectangle, sphere, wavefront};
 use crate::sources::shared_scenes;
 
@@ -37,12 +38,13 @@ pub fn direct() -> Vec<Closed> {
     all.extend([(0.1, 1.0), (0.5, 1.0), (0.99, 1.0), (1.0, 30.0), (1e-4, 1.0), (1e-15, 1.0)].map(ball_of_light));
     all.extend([(0.5, 1.0), (1.0, 0.5), (1e-3, 1.0), (1.0, 0.1)].map(disk_of_light));
     all.extend([(0.0093, 60.0), (1e-6, 60.0), (1.0, 60.0), (std::f32::consts::PI, 90.0)].map(wide_sun));
+    all.extend(painted());
     all.extend(skies());
     all
 }
 
 /// A floor from -side/2 to side/2.
-fn floor(side: f32, albedo: f32) -> Scene {
+pub(super) fn floor(side: f32, albedo: f32) -> Scene {
     let mut scene = Scene::default();
     let corner = Vec3::new(-side, 0.0, -side) / 2.0;
     let floor = rectangle(corner, Vec3::Z * side, Vec3::X * side);
@@ -50,7 +52,7 @@ fn floor(side: f32, albedo: f32) -> Scene {
     scene
 }
 
-fn closed(name: String, scene: Scene, looks: Vec<(Look, f64)>) -> Closed {
+pub(super) fn closed(name: String, scene: Scene, looks: Vec<(Look, f64)>) -> Closed {
     Closed {
         name,
         scene,
@@ -63,7 +65,7 @@ fn closed(name: String, scene: Scene, looks: Vec<(Look, f64)>) -> Closed {
 }
 
 /// The origin alone, from the side: a hundredth of the distance across.
-fn origin(eye: DVec3) -> Look {
+pub(super) fn origin(eye: DVec3) -> Look {
     Look::pixel(Camera::look_at("side", eye, DVec3::ZERO, 0.01), 101, 50, 50)
 }
 
