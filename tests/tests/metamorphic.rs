@@ -1,6 +1,6 @@
 //! T11 and T15: pairs of renders that must agree, to the bit or within noise.
 //!
-//! `JERBOA_SCENES=all cargo test --release -p jerboa-tests --test metamorphic` takes nine scenes instead of one, and four
+//! `JERBOA_SCENES=all cargo test --release -p jerboa-tests --test metamorphic` takes eleven scenes instead of one, and four
 //! times the samples.
 
 use jerboa_lib_render::host::tables::Choices;
@@ -10,9 +10,19 @@ use jerboa_tests::harness::metamorphic::{
 };
 use jerboa_tests::harness::stats::{FAMILY, sidak};
 
-/// Built-in scenes of the long form: each kind of light, glass, textures, many lights.
-const SCENES: [&str; 8] =
-    ["cornell-box", "point-light", "spot", "sun", "environment", "material-balls", "glass", "many-lights"];
+/// Built-in scenes of the long form: each kind of light, glass, textures, many lights, lobes and models.
+const SCENES: [&str; 10] = [
+    "cornell-box",
+    "point-light",
+    "spot",
+    "sun",
+    "environment",
+    "material-balls",
+    "glass",
+    "many-lights",
+    "layered",
+    "models",
+];
 
 fn is_long() -> bool {
     std::env::var_os("JERBOA_SCENES").is_some()

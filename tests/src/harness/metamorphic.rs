@@ -126,7 +126,7 @@ fn halve(mesh: &mut Mesh, a: usize, b: usize) -> u32 {
 }
 
 /// A room with every kind of light, surface and lookup: area, point, spot and directional lights, a sphere, a disk and a sun, an
-/// environment, metal, glass that absorbs, a texture and a normal map. One scene, so that a test needs to compile for one only.
+/// environment, metal, glass that absorbs, a texture and normal maps, each lobe and some models. One scene, so that a test needs to compile for one only.
 pub fn medley() -> Scene {
     let load = |name: &str| Scene::load(format!("builtin:{name}")).expect("it is built in");
     let mut scene = load("cornell-box");
@@ -160,6 +160,7 @@ pub fn medley() -> Scene {
     scene.materials.push(Material { normal_texture: bumps, ..scene.materials[0].clone() });
     scene.meshes[0].material = scene.materials.len() - 1;
     scene.materials[1].base_color_texture = stripes;
+    with_lobes(&mut scene, bumps);
     let balls = load("environment").meshes.pop().expect("a ball");
     let metal = Material::metal("metal", [0.9, 0.6, 0.3], 0.4);
     let mut glass = Material::glass("glass", 1.5);
@@ -177,26 +178,62 @@ pub fn medley() -> Scene {
     Scene { name: "medley".into(), ..scene }
 }
 
+/// A room's floor coated, its ceiling of another model, its back of cloth, the right wall brushed and filmed, the boxes a leaf and a
+/// model; `bumps` are the coat's.
+fn with_lobes(scene: &mut Scene, bumps: Option<TextureRef>) {
+    let floor = scene.meshes[0].material;
+    let coat = Clearcoat { normal_texture: bumps, normal_scale: 0.5, ..Clearcoat::new(0.8, 0.4) };
+    scene.materials[floor].clearcoat = Some(coat);
+    let brushed = Material {
+        anisotropy: Some(Anisotropy { rotation: 0.5, ..Anisotropy::new(0.6) }),
+        iridescence: Some(Iridescence::new(0.8, 400.0)),
+        ..Material::plastic("brushed", [0.14, 0.45, 0.09], 0.5)
+    };
+    let leaf = DiffuseTransmission::new(0.5, [0.6, 0.7, 0.2]);
+    let of = |name: &str| Material { model: Some(Model::named(name)), ..Material::plastic(name, [0.7, 0.6, 0.5], 0.4) };
+    for (mesh, material) in [
+        (1, of("rough-diffuse")),
+        (2, Material { sheen: Some(Sheen::new([0.4, 0.5, 0.6], 0.5)), ..Material::diffuse("cloth", [0.5, 0.3, 0.2]) }),
+        (4, brushed),
+        (6, Material { diffuse_transmission: Some(leaf), ..Material::plastic("leaf", [0.4, 0.6, 0.2], 0.5) }),
+        (7, of("phong")),
+    ] {
+        scene.materials.push(material);
+        scene.meshes[mesh].material = scene.materials.len() - 1;
+    }
+}
+
 fn image(texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
     let rgba = (0..64).map(|i| texel(i % 8, i / 8)).collect();
     Image { name: "image".into(), width: 8, height: 8, rgba }
 }
 
 /// A room around zero whose numbers are all multiples of 1/64: instances of a pyramid, turned and mirrored, enough lamps and points
-/// of light for a tree, a spot and a sun.
+/// of light for a tree, a spot and a sun; lobes on all of it, and a card of another model.
 pub fn dyadic() -> Scene {
     let mut scene = Scene { name: "dyadic".into(), ..Scene::default() };
     let room = rectangle(Vec3::new(-2.0, -2.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
-    place(&mut scene, room, Material::diffuse("floor", [0.75, 0.5, 0.25]), 1.0, DVec3::ZERO);
-    let wall = rectangle(Vec3::new(-2.0, -2.0, -2.0), Vec3::X * 4.0, Vec3::Y * 4.0);
-    place(&mut scene, wall, Material::plastic("wall", [0.25, 0.5, 0.75], 0.5), 1.0, DVec3::ZERO);
+    let coat = Some(Clearcoat::new(0.75, 0.25));
+    let floor = Material { clearcoat: coat, ..Material::diffuse("floor", [0.75, 0.5, 0.25]) };
+    place(&mut scene, room, floor, 1.0, DVec3::ZERO);
+    let wall_mesh = rectangle(Vec3::new(-2.0, -2.0, -2.0), Vec3::X * 4.0, Vec3::Y * 4.0);
+    let (sheen, iridescence) = (Some(Sheen::new([0.25; 3], 0.5)), Some(Iridescence::new(0.75, 400.0)));
+    let wall = Material { sheen, iridescence, ..Material::plastic("wall", [0.25, 0.5, 0.75], 0.5) };
+    place(&mut scene, wall_mesh, wall, 1.0, DVec3::ZERO);
+    let card = rectangle(Vec3::new(-1.5, -1.5, 0.0), Vec3::X, Vec3::Y);
+    let leaf = Some(DiffuseTransmission::new(0.5, [0.5; 3]));
+    let leaf = Material { diffuse_transmission: leaf, ..Material::diffuse("leaf", [0.25, 0.5, 0.25]) };
+    place(&mut scene, card.clone(), leaf, 1.0, DVec3::ZERO);
+    let phong = Material { model: Some(Model::named("phong")), ..Material::diffuse("phong", [0.25, 0.5, 0.25]) };
+    place(&mut scene, card, phong, 1.0, DVec3::new(2.0, 0.0, -0.5));
     let lamp = rectangle(Vec3::new(-0.5, 2.0, -0.5), Vec3::X, Vec3::Z);
     place(&mut scene, lamp, Material::emitter("lamp", [4.0; 3]), 1.0, DVec3::ZERO);
     // It reaches as far to the front as the room does to the back, and so the middle is zero.
     let corners = [[0.0, 0.5, 0.0], [-0.5, -0.25, -0.5], [0.5, -0.25, -0.5], [0.0, -0.25, 0.5]].map(Vec3::from);
     let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     let pyramid = Mesh { positions: corners.to_vec(), triangles, ..Mesh::default() };
-    place(&mut scene, pyramid, Material::metal("pyramid", [0.75; 3], 0.5), 1.0, DVec3::new(0.0, -1.0, 1.5));
+    let brushed = Material { anisotropy: Some(Anisotropy::new(0.75)), ..Material::metal("pyramid", [0.75; 3], 0.5) };
+    place(&mut scene, pyramid, brushed, 1.0, DVec3::new(0.0, -1.0, 1.5));
     let mesh = scene.meshes.len() - 1;
     for (at, axes) in [
         (DVec3::new(-1.0, 0.5, -1.0), DMat3::from_cols(DVec3::Z, DVec3::Y, -DVec3::X)),
