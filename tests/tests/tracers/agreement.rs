@@ -25,7 +25,7 @@ use crate::{LIGHT_SIDES, absorbing, glass, image, load, renderer};
 const MANY: usize = 20;
 /// Renders of a tracer, and those of the path tracer it is compared with.
 const RENDERS: [u32; 2] = [16, 32];
-const BOTH_SIDES: [TracerKind; 1] = [TracerKind::Bidirectional];
+pub const BOTH_SIDES: [TracerKind; 1] = [TracerKind::Bidirectional];
 
 /// What the quick form leaves out: it is like another scene, or light so rare that 225 paths a block say nothing of their spread.
 const LONG: [&str; 14] = [
@@ -68,16 +68,16 @@ fn quick(t13: &T13) -> bool {
 }
 
 /// A comparison.
-struct Case<'a> {
-    name: &'a str,
-    scene: &'a Scene,
+pub struct Case<'a> {
+    pub name: &'a str,
+    pub scene: &'a Scene,
     /// How many times the usual number of samples it takes.
-    effort: u32,
-    choices: Choices,
+    pub effort: u32,
+    pub choices: Choices,
 }
 
 impl<'a> Case<'a> {
-    fn of(name: &'a str, scene: &'a Scene) -> Case<'a> {
+    pub fn of(name: &'a str, scene: &'a Scene) -> Case<'a> {
         Case { name, scene, effort: 1, choices: Choices::default() }
     }
 
@@ -90,7 +90,7 @@ impl<'a> Case<'a> {
     }
 
     /// Tracers agree with the path tracer.
-    fn agree(&self, tracers: &[TracerKind]) {
+    pub fn agree(&self, tracers: &[TracerKind]) {
         self.agree_with(tracers, self);
     }
 
@@ -135,7 +135,7 @@ pub fn mean_and_variance(images: &[Image]) -> (Image, Image) {
 }
 
 /// A floor, a lamp of a square metre above it (not in sight), and a body.
-fn under_lamp(body: Mesh, material: Material) -> Scene {
+pub fn under_lamp(body: Mesh, material: Material) -> Scene {
     let mut scene = Scene::default();
     let floor = rectangle(Vec3::new(-3.0, 0.0, -3.0), Vec3::Z * 6.0, Vec3::X * 6.0);
     place(&mut scene, floor, Material::diffuse("floor", [0.7, 0.6, 0.5]), 1.0, DVec3::ZERO);
@@ -147,7 +147,7 @@ fn under_lamp(body: Mesh, material: Material) -> Scene {
 }
 
 /// A ball of 20·4^`level` triangles with the normals of a round one.
-fn smooth_ball(level: u32) -> Mesh {
+pub fn smooth_ball(level: u32) -> Mesh {
     let ball = sphere(level);
     Mesh { normals: Some(ball.positions.clone()), ..ball }
 }

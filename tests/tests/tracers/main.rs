@@ -1,7 +1,7 @@
 //! The tracers beside the path tracer: light transport from the lights, alone and from both sides, and ambient occlusion. And the
 //! cameras beside the pinhole.
 //!
-//! * [`agreement`]: they agree with the path tracer (T13),
+//! * [`agreement`]: they agree with the path tracer (T13), and [`pieces`]: on each piece of the library too,
 //! * [`lenses`]: what lenses show agrees with what pinholes do (T13),
 //! * [`roulette`]: what roulette costs (T16),
 //! * [`closed`]: closed forms (T4, T16), with and without what absorbs, and nothing through a closed wall (T19),
@@ -11,6 +11,7 @@ mod agreement;
 mod bits;
 mod closed;
 mod lenses;
+mod pieces;
 mod roulette;
 
 use jerboa_lib_render::host::film::Film;
