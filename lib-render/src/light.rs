@@ -14,6 +14,7 @@ use crate::material::EmissionValue;
 use crate::schema::*;
 
 pub mod area;
+pub mod both_sides;
 pub mod directional;
 pub mod disk;
 pub mod environment;

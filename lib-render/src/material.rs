@@ -6,10 +6,10 @@ use jerboa_ir::lang::{Block, Bool, Col, F32, Fun, Row, U32};
 use crate::bsdf::Bsdf;
 use crate::bsdf::gltf::GltfValues;
 use crate::core::color::{Color, black, read_color};
-use crate::core::sampling::cosine_hemisphere_pdf;
 use crate::core::vec::{Vec2, Vec3};
 use crate::geometry::SurfaceElement;
 use crate::light::area_pdf;
+use crate::light::both_sides::emission_pdf;
 use crate::lobes::through_coat;
 use crate::schema::{Materials, SMOOTH_ALPHA, SMOOTH_ALWAYS, SMOOTH_PER_HIT, Textures};
 use crate::texture::look_up;
@@ -134,12 +134,13 @@ pub fn make_emission(row: Row<Materials>, surf: SurfaceElement) -> EmissionFn {
     EmissionFn::lam(|b, dir| {
         let cos = surf.face_cos(dir);
         let both = row.get(Materials::DOUBLE_SIDED);
+        let pdf_dir = emission_pdf(both, cos);
         let radiance = emitted_radiance(b, row, surf.uv);
         let radiance = through_coat(b, row, surf.uv, cos, radiance);
         EmissionValue {
             intensity: (both | cos.gt(0.0)).select(radiance, black()),
             pdf_area: area_pdf(surf.light),
-            pdf_dir: both.select(cosine_hemisphere_pdf(cos.abs()) * 0.5, cosine_hemisphere_pdf(cos)),
+            pdf_dir,
         }
     })
 }

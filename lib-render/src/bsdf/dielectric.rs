@@ -12,7 +12,7 @@
 use jerboa_ir::lang::F32;
 
 use crate::bsdf::BsdfSample;
-use crate::bsdf::frame::Side;
+use crate::bsdf::frame::{Side, cos_between};
 use crate::bsdf::gltf::{GltfValues, make_gltf_bsdf};
 use crate::bsdf::models::Model;
 use crate::core::color::{Color, black, white};
@@ -48,7 +48,7 @@ pub fn refraction(side: Side, wi: Vec3, eta: F32, weight: Color) -> BsdfSample {
 /// The refracted direction, unit. `eta` is the index on the far side over that on the side of `wo` and `normal`. Under
 /// total internal reflection it lies in the surface.
 pub fn refract(wo: Vec3, normal: Vec3, eta: F32) -> Vec3 {
-    let cos = wo.dot(normal);
+    let cos = cos_between(wo, normal);
     (normal * (cos / eta - refracted_cos(cos, eta)) - wo / eta).normalize()
 }
 

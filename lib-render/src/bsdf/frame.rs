@@ -64,9 +64,14 @@ pub fn frame_along(normal: Vec3, along: Vec3) -> Frame3 {
     across.length2().gt(1e-12).select(frame, Frame3::around(normal))
 }
 
+/// Cosine between a direction and a normal.
+pub fn cos_between(w: Vec3, n: Vec3) -> F32 {
+    w.dot(n)
+}
+
 /// The mirror image of w about n, both pointing away.
 pub fn reflect(w: Vec3, n: Vec3) -> Vec3 {
-    n * (2.0 * w.dot(n)) - w
+    n * (2.0 * cos_between(w, n)) - w
 }
 
 impl Frame3 {

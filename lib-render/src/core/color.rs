@@ -58,7 +58,7 @@ impl Color {
     /// Channel by channel, +0 where either is ±0: a black factor switches a term off, even an infinite one.
     #[track_caller]
     pub fn absorb(self, o: Color) -> Color {
-        self.zip(o, |a, b| a.absorb(b))
+        color(self.r.absorb(o.r), self.g.absorb(o.g), self.b.absorb(o.b))
     }
 
     /// (1 − k) self + k other

@@ -9,11 +9,12 @@ use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
 use crate::core::color::{Color, black};
 use crate::core::onb::onb;
 use crate::core::rng::Rng;
-use crate::core::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, uniform_triangle};
+use crate::core::sampling::{cosine_hemisphere, uniform_triangle};
 use crate::core::spherical::SeenTriangle;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::offset::offset_point;
 use crate::geometry::triangle::{GAMMA_7, Triangle};
+use crate::light::both_sides::{draws_back, emission_pdf, shines_behind};
 use crate::light::{DirectLightSample, EmissionSample, Light, first_edge, position, strength};
 use crate::lobes::through_coat;
 use crate::material::{EmissionValue, emitted_radiance};
@@ -130,14 +131,14 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
         let distance = to.length_scaled();
         let wi = to / distance;
         let cos = -place.normal.dot(wi);
+        let by_area = point_pdf(row) * (distance * distance / cos.abs());
         let shines = shines(row, cos);
         DirectLightSample {
             wi,
             pos: place.seen_from(-to),
             distance,
             intensity: b.if_(shines, |b| radiance(b, row, shape, weights, cos), |_| black()),
-            pdf_dir: shines
-                .select(by_angle.select(pdf, point_pdf(row) * (distance * distance / cos.abs())), F32::from(0.0)),
+            pdf_dir: shines.select(by_angle.select(pdf, by_area), F32::from(0.0)),
             is_delta: false.into(),
             primitive: row.get(Lights::PRIMITIVE),
             primitive1: row.get(Lights::PRIMITIVE1),
@@ -150,7 +151,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
         let (side, _) = rng.next();
         let place = Place::new(row, weights);
         let both = row.get(Lights::DOUBLE_SIDED);
-        let normal = (both & side.lt(0.5)).select(-place.normal, place.normal);
+        let normal = (both & draws_back(side)).select(-place.normal, place.normal);
         let local = cosine_hemisphere(vec2(u, v));
         let (tangent, bitangent) = onb(normal);
         let dir = tangent * local.x + bitangent * local.y + normal * local.z;
@@ -160,16 +161,14 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
             intensity: radiance(b, row, shape, weights, place.normal.dot(dir)),
             cos: local.z,
             pdf_area: point_pdf(row),
-            pdf_dir: emission_pdf(row, local.z),
+            pdf_dir: emission_pdf(both, local.z),
         }
     });
     let emission = Fun::lam(move |b: &mut Block, (dir, weights): (Vec3, Vec2)| {
         let cos = Place::new(row, weights).normal.dot(dir);
-        EmissionValue {
-            intensity: b.if_(shines(row, cos), |b| radiance(b, row, shape, weights, cos), |_| black()),
-            pdf_area: point_pdf(row),
-            pdf_dir: emission_pdf(row, cos),
-        }
+        let pdf_dir = emission_pdf(row.get(Lights::DOUBLE_SIDED), cos);
+        let intensity = b.if_(shines(row, cos), |b| radiance(b, row, shape, weights, cos), |_| black());
+        EmissionValue { intensity, pdf_area: point_pdf(row), pdf_dir }
     });
     Light { sample_direct, sample_emission, emission, has_area: true.into() }
 }
@@ -185,13 +184,7 @@ fn point_pdf(row: Row<Lights>) -> F32 {
 
 /// Does light leave the side of this cosine to the normal? Not where it is NaN.
 fn shines(row: Row<Lights>, cos: F32) -> Bool {
-    cos.gt(0.0) | (row.get(Lights::DOUBLE_SIDED) & cos.lt(0.0))
-}
-
-/// Density of a direction under emission sampling, per steradian.
-fn emission_pdf(row: Row<Lights>, cos: F32) -> F32 {
-    let front = cosine_hemisphere_pdf(cos);
-    row.get(Lights::DOUBLE_SIDED).select(cosine_hemisphere_pdf(cos.abs()) * 0.5, front)
+    cos.gt(0.0) | (row.get(Lights::DOUBLE_SIDED) & shines_behind(cos))
 }
 
 /// Radiance from the sides that emit, W/(m² sr), at these weights of the edges, in a direction of this cosine to the front.
