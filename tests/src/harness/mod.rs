@@ -19,7 +19,7 @@
 //! - [`rays`]: closed shapes, ways to aim at them, trees; [`naive`], what they are measured against; and [`native`], the walk
 //!   by hand.
 //! - [`stats`]: tests of hypotheses with a stated rate of false alarms.
-//! - [`subjects`]: scenes, tracers and devices that between them use everything.
+//! - [`subjects`]: scenes, tracers and devices that between them use everything; and [`features`], what each may leave in a residual.
 //! - [`warps`]: the table of warps of uniform numbers.
 
 pub mod analytic;
@@ -44,5 +44,6 @@ pub mod stats;
 pub mod streams;
 pub mod points;
 pub mod subjects;
+pub mod features;
 pub mod sweep;
 pub mod warps;

@@ -15,13 +15,13 @@ use jerboa_lib_render::core::vec::Vec3;
 use jerboa_lib_render::host::device::{DeviceKind, Traversal};
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residual};
 use jerboa_lib_render::host::library::Library;
-use jerboa_lib_render::host::tables::{CameraKind, Choices, Known, Tables};
+use jerboa_lib_render::host::tables::{CameraKind, Choices, Known, SamplerKind, Tables};
 use jerboa_lib_render::image::Texel;
 use jerboa_lib_render::light::point::{make_point_light, sample_place};
 use jerboa_lib_render::light::{Light, strength};
 use jerboa_scenes::{
     Anisotropy, Clearcoat, DiffuseTransmission, Filter, Image, Instance, Iridescence, Lens, LightKind, Material, Mesh,
-    Model, Scene, Sheen, Texture, TextureRef, TextureSource, Wrap, builtin,
+    Model, Scene, Sheen, Texture, TextureRef, TextureSource, Volume, Wrap, builtin,
 };
 
 /// A scene, and how it is rendered.
@@ -94,6 +94,9 @@ pub fn subjects() -> Vec<Subject> {
         scene.cameras[0].lens = lens;
         all.push(Subject { name: format!("{lens:?}"), ..Subject::of(&scene) });
     }
+    all.extend(pictures().iter().map(Subject::of));
+    all.push(Subject::of(&unlit()));
+    all.extend([TracerKind::Path, TracerKind::Light].map(|t| Subject::new(&shining(), DeviceKind::CpuScalar, t)));
     let plain = Choices::default;
     for (what, choices) in [
         ("of 5 edges", Choices { max_depth: Some(5), ..plain() }),
@@ -101,9 +104,15 @@ pub fn subjects() -> Vec<Subject> {
         ("with an offset of rays", Choices { ray_offset: 1e-4, ..plain() }),
         ("with free normals", Choices { consistent_normals: false, ..plain() }),
         ("lamps by solid angle", Choices { solid_angle: true, ..plain() }),
+        ("without back faces", Choices { cull_back_faces: true, ..plain() }),
+        ("by Sobol points", Choices { sampler: SamplerKind::SOBOL, ..plain() }),
     ] {
         all.push(Subject::of(&room).choosing(what, choices));
     }
+    let fixed = Choices { consistent_normals: false, sampler: SamplerKind::SOBOL, ..plain() };
+    all.extend(
+        ["alpha", "layered"].map(|name| Subject::of(&load(name)).choosing("with free normals, by Sobol points", fixed)),
+    );
     let scenes = ["cornell-box", "layered", "models", "environment", "glass"].map(load);
     let tracers = TracerKind::ALL.into_iter().filter(|tracer| *tracer != TracerKind::Path);
     for tracer in tracers {
@@ -142,7 +151,7 @@ fn painted() -> Scene {
 /// A square of one material in which each number has a texture that can have one, and a lamp with one.
 fn every_texture() -> Scene {
     let mut scene = Scene { name: "every texture".into(), ..load("quad-light") };
-    scene.images.push(Image { name: "grey".into(), width: 1, height: 1, rgba: vec![[128; 4]] });
+    scene.images.push(grey());
     scene.textures.push(texture(TextureSource::Image(0)));
     let texture = Some(TextureRef { texture: 0, uv_set: 0, transform: None });
     let all = Material {
@@ -187,6 +196,60 @@ fn every_texture() -> Scene {
 fn texture(source: TextureSource) -> Texture {
     let (wrap_s, wrap_t) = (Wrap::Repeat, Wrap::Repeat);
     Texture { name: "texture".into(), source, wrap_s, wrap_t, filter: Filter::Bilinear, border: None }
+}
+
+/// The square of `quad-light` with one texture each: every filter with every border, each pattern, and the second set of
+/// coordinates.
+fn pictures() -> Vec<Scene> {
+    let borders = [(Wrap::Repeat, None), (Wrap::Mirror, None), (Wrap::Clamp, None), (Wrap::Repeat, Some([0.5; 4]))];
+    let filters = [Filter::Nearest, Filter::Bilinear, Filter::Bicubic];
+    let mut all = Vec::new();
+    for (filter, (wrap, border)) in filters.into_iter().flat_map(|filter| borders.map(|border| (filter, border))) {
+        let image = texture(TextureSource::Image(0));
+        let texture = Texture { filter, wrap_s: wrap, wrap_t: wrap, border, ..image };
+        all.push(picture(format!("{filter:?}, {wrap:?}, border {border:?}"), texture, 0));
+    }
+    let (even, odd) = ([0.2; 3], [0.8; 3]);
+    let checkerboard = texture(TextureSource::Checkerboard { even, odd });
+    all.push(picture("a checkerboard".into(), checkerboard.clone(), 0));
+    all.push(picture("noise".into(), texture(TextureSource::Noise { low: even, high: odd }), 0));
+    all.push(picture("a checkerboard by the second set".into(), checkerboard, 1));
+    all
+}
+
+/// The square of `quad-light` under a texture by a set of coordinates. Its meshes have both.
+fn picture(name: String, texture: Texture, uv_set: usize) -> Scene {
+    let mut scene = Scene { name, ..load("quad-light") };
+    scene.images.push(grey());
+    scene.textures.push(texture);
+    scene.materials[0].base_color_texture = Some(TextureRef { texture: 0, uv_set, transform: None });
+    for mesh in &mut scene.meshes {
+        let uvs: Vec<Vec2> = mesh.positions.iter().map(|p| Vec2::new(p.x, p.z)).collect();
+        mesh.uvs = [Some(uvs.clone()), Some(uvs)];
+    }
+    scene
+}
+
+/// An image of one texel.
+fn grey() -> Image {
+    Image { name: "grey".into(), width: 1, height: 1, rgba: vec![[128; 4]] }
+}
+
+/// The Cornell box with unlit walls.
+fn unlit() -> Scene {
+    let mut scene = load("cornell-box");
+    scene.materials[0].unlit = true;
+    Scene { name: "unlit".into(), ..scene }
+}
+
+/// The Cornell box with a lamp that shines on both sides, within walls of what absorbs.
+fn shining() -> Scene {
+    let mut scene = load("cornell-box");
+    scene.materials.iter_mut().filter(|m| m.is_emissive()).for_each(|m| m.double_sided = true);
+    let volume =
+        Volume { thickness: 1.0, thickness_texture: None, attenuation_distance: 1.0, attenuation_color: [0.5; 3] };
+    scene.materials[0].volume = Some(volume);
+    Scene { name: "shining on both sides".into(), ..scene }
 }
 
 /// A texture and a light of a user's crate: one grey, and a point light, each by a number.
