@@ -164,7 +164,7 @@ mod tests {
         let mut random = Random(SEED);
         for round in 0..200 {
             let boxes: Vec<Bounds> =
-                (0..5 + round % 12).map(|_| Bounds::of(&[random.point(), random.point()])).collect();
+                (0..5 + round % 40).map(|_| Bounds::of(&[random.point(), random.point()])).collect();
             let tree = sah::build(&boxes);
             let cuts = Cuts::<WIDTH>::new(&tree);
             let mut members = Vec::new();
