@@ -15,7 +15,7 @@ use super::ahead::{Ahead, Needs, PATHS};
 use super::dispatch::{call, tables_bound};
 use super::error::Error;
 use super::generate::Generated;
-use super::native::{Walkers, streams};
+use super::native::{Walkers, Wanted, streams};
 use super::stages::{Clock, Stage, Stages};
 use super::tables::Tables;
 use super::work::Work;
@@ -231,7 +231,8 @@ impl Thread<'_, '_> {
         let Streams { paths, hits, walkers, .. } = &mut self.streams;
         let walkers = walkers.get_or_insert_default();
         let rays = if begun { 0 } else { count };
-        self.clock.stage(stage, rays, || streams::trace(native, walkers, tables, rows, begun, paths, hits));
+        let wanted = if stage == Stage::Camera { Wanted::NearestTogether } else { Wanted::Nearest };
+        self.clock.stage(stage, rays, || streams::trace(native, walkers, wanted, tables, rows, begun, (paths, hits)));
         Ok(())
     }
 

@@ -11,7 +11,8 @@
 //! the order of visits, as long as triangles and boxes are tested by the same formulas. They are the same, operation by
 //! operation: nothing is contracted, and minimum and maximum give the second operand if either is NaN.
 //!
-//! Over few triangles there is no tree, and sixteen rays at once are tested against one triangle after the other.
+//! Over few triangles there is no tree, and sixteen rays at once are tested against one triangle after the other. Rays from a
+//! camera, sixteen of which go much the same way, take one walk together; where they do not, each takes its own.
 //!
 //! It is there where the processor has what it takes, for scenes whose instances share no triangles: trees within trees are
 //! left to the kernels. Whether a hit on a cut-out counts is for a kernel to say, so triangles
@@ -76,6 +77,17 @@ pub trait Rays {
     }
 }
 
+/// What is asked of rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// The nearest hits.
+    Nearest,
+    /// The nearest hits of rays most of which go the way of those before and behind them, as those from a camera do.
+    NearestTogether,
+    /// Any hit is as good as the nearest: nothing but whether there is one has a meaning.
+    Any,
+}
+
 /// A scene's triangles for the native walk.
 pub struct Native {
     triangles: Triangles,
@@ -129,11 +141,11 @@ impl Native {
         self.triangles.outside(&self.others, walkers, rays);
     }
 
-    /// Traces rays. Where any hit is as good as the nearest, nothing but whether there is one has a meaning.
+    /// Traces rays.
     ///
     /// # Panics
     /// Unless [`Native::is_there`].
-    pub fn trace(&self, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
-        self.triangles.trace(walkers, any_hit, rays);
+    pub fn trace(&self, walkers: &mut Walkers, wanted: Wanted, rays: &mut impl Rays) {
+        self.triangles.trace(walkers, wanted, rays);
     }
 }

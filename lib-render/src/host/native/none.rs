@@ -1,6 +1,6 @@
 //! Where there is no native walk.
 
-use super::Rays;
+use super::{Rays, Wanted};
 use crate::host::bvh::{Bounds, Dropped, Triangle};
 
 /// Nobody.
@@ -27,7 +27,7 @@ impl Triangles {
     }
 
     /// There is nothing to trace rays in.
-    pub fn trace(&self, _: &mut Walkers, _: bool, _: &mut impl Rays) {
+    pub fn trace(&self, _: &mut Walkers, _: Wanted, _: &mut impl Rays) {
         panic!("there is no native walk for this processor");
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use jerboa_ir::lang::Buf;
 
-use super::{Hit, Native, Ray, Rays, Walkers};
+use super::{Hit, Native, Ray, Rays, Walkers, Wanted};
 use crate::host::tables::Tables;
 use crate::host::wave::Stream;
 use crate::schema::{Geometries, Hits, NONE, Next, Paths, Primitives, Shadows, binding};
@@ -13,15 +13,15 @@ use crate::schema::{Geometries, Hits, NONE, Next, Paths, Primitives, Shadows, bi
 pub(in crate::host) fn trace(
     native: &Native,
     walkers: &mut Walkers,
+    wanted: Wanted,
     tables: &Tables,
     rows: Range<u32>,
     begun: bool,
-    paths: &Stream,
-    hits: &mut Stream,
+    (paths, hits): (&Stream, &mut Stream),
 ) {
     let words = |binding: usize| &tables.memory[binding].words[..];
     let (primitives, geometries) = (words(binding::<Primitives>()), words(binding::<Geometries>()));
-    native.trace(walkers, false, &mut Trace { rows, begun, paths, hits, primitives, geometries });
+    native.trace(walkers, wanted, &mut Trace { rows, begun, paths, hits, primitives, geometries });
 }
 
 /// Hides from the kernel, which asks cut-outs, the paths whose rays pass them by: they hit nothing there. Gives their rows
@@ -55,7 +55,7 @@ pub(in crate::host) fn shadow(
     next: &mut Stream,
 ) {
     let mut all = Shadow { rows: rows.clone(), goes_on: !native.is_all(), shadows, next };
-    native.trace(walkers, true, &mut all);
+    native.trace(walkers, Wanted::Any, &mut all);
     if all.goes_on {
         native.outside(walkers, &mut Shadow { rows, goes_on: false, ..all });
     }

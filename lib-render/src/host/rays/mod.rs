@@ -18,7 +18,7 @@ use super::clock::thread_time;
 use super::device::Traversal;
 use super::dispatch::tables_bound;
 use super::error::Error;
-use super::native::{Hit, Ray, Rays, Walkers};
+use super::native::{Hit, Ray, Rays, Walkers, Wanted};
 use super::tables::geometry::triangles;
 use super::tables::{CameraKind, Choices, Known, Tables};
 use crate::schema::NONE;
@@ -58,6 +58,15 @@ impl Set {
     /// The kernel that answers it.
     fn kernel(self) -> &'static str {
         if self == Set::Shadow { "any" } else { "nearest" }
+    }
+
+    /// What is asked of the native walk.
+    fn wanted(self) -> Wanted {
+        match self {
+            Set::Primary => Wanted::NearestTogether,
+            Set::Shadow => Wanted::Any,
+            _ => Wanted::Nearest,
+        }
     }
 }
 
@@ -189,7 +198,7 @@ impl RayBench {
             self.trace_by_kernel(set, chunk)?;
         }
         if let Some(native) = native {
-            native.trace(&mut Walkers::default(), set == Set::Shadow, &mut Asked { chunk, begun, next: 0 });
+            native.trace(&mut Walkers::default(), set.wanted(), &mut Asked { chunk, begun, next: 0 });
         }
         Ok(())
     }

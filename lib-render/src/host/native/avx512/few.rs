@@ -9,6 +9,7 @@ use std::arch::x86_64::*;
 use std::collections::HashMap;
 
 use super::super::Rays;
+use super::meet;
 use super::sixteen::{Lines, Sixteen};
 use super::vector::{each, floats_16, put_floats_16, words_16};
 use crate::host::bvh::{Bounds, Triangle};
@@ -80,7 +81,8 @@ impl Few {
             while some != 0 {
                 let row = some.trailing_zeros() as usize % MOST;
                 some &= some - 1;
-                self.rows[row].complete(meets[row], &lines, sixteen, seen);
+                let Row { primitive, own_box, .. } = &self.rows[row];
+                meet::complete(meets[row], &lines, sixteen, self.rows[row].seen(seen), own_box, *primitive);
             }
             sixteen.hand_in(rays, !0);
         }
@@ -90,13 +92,9 @@ impl Few {
     #[inline]
     #[target_feature(enable = "avx512f,avx512dq")]
     fn see(&self, lines: &Lines, seen: &mut [Seen]) {
-        for ([x, y, z, w], Seen(seen)) in self.corners.iter().zip(seen) {
-            let corner = _mm512_broadcast_f32x4(_mm_setr_ps(*x, *y, *z, *w));
-            let [x, y, z] = each!(|k| _mm512_sub_ps(_mm512_permutevar_ps(corner, lines.axis[k]), lines.org[k]));
-            let along = |x: __m512, shear: __m512| _mm512_sub_ps(x, _mm512_mul_ps(shear, z));
-            put_floats_16(&mut seen[0], along(x, lines.shear[0]));
-            put_floats_16(&mut seen[1], along(y, lines.shear[1]));
-            put_floats_16(&mut seen[2], _mm512_mul_ps(lines.shear[2], z));
+        for (corner, Seen(seen)) in self.corners.iter().zip(seen) {
+            let corner = meet::see(lines, *corner);
+            seen.iter_mut().zip(corner).for_each(|(row, v)| put_floats_16(row, v));
         }
     }
 
@@ -112,29 +110,12 @@ impl Few {
         const { assert!(MOST <= u128::BITS as usize) };
         let rays_there = are_usable & ((1_u32 << rays.count) - 1) as __mmask16;
         let skip = each!(|k| words_16(&rays.skip[k]));
-        let limit = beyond(floats_16(&rays.tmax));
-        let zero = _mm512_setzero_ps();
+        let limit = ANY.then(|| beyond(floats_16(&rays.tmax)));
         let (mut some, mut meets) = (0, [0; MOST]);
         for (place, (row, meets)) in self.rows.iter().zip(&mut meets).enumerate() {
-            let [a, b, c] = row.seen(seen);
-            let [w, u, v] = weights([a, b, c]);
-            let least = _mm512_min_ps(_mm512_min_ps(w, u), v);
-            let largest = _mm512_max_ps(_mm512_max_ps(w, u), v);
-            let meet = _mm512_mask_cmp_ps_mask::<_CMP_GE_OQ>(rays_there, least, zero)
-                | _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(rays_there, largest, zero);
-            // A mean of what is behind is behind.
-            let farthest = _mm512_max_ps(_mm512_max_ps(a[2], b[2]), c[2]);
-            let mut meet = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(meet, farthest, zero);
-            if ANY {
-                let nearest = _mm512_min_ps(_mm512_min_ps(a[2], b[2]), c[2]);
-                meet = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(meet, nearest, limit);
-            }
-            let primitive = _mm512_set1_epi32(row.primitive as i32);
-            for skip in skip {
-                meet = _mm512_mask_cmpneq_epi32_mask(meet, skip, primitive);
-            }
-            *meets = meet;
-            some |= u128::from(meet != 0) << place;
+            let meet = meet::might_meet(rays_there, row.seen(seen), limit);
+            *meets = meet::not_skipped(meet, &skip, row.primitive);
+            some |= u128::from(*meets != 0) << place;
         }
         (some, meets)
     }
@@ -150,15 +131,6 @@ fn beyond(tmax: __m512) -> __m512 {
     _mm512_max_ps(_mm512_mul_ps(tmax, all(1.0 + 1.0 / 524_288.0)), all(1e-30))
 }
 
-/// The edge functions of corners that were looked at.
-#[inline]
-#[target_feature(enable = "avx512f")]
-fn weights([a, b, c]: [[__m512; 3]; 3]) -> [__m512; 3] {
-    let product = |p: __m512, q: __m512| _mm512_mul_ps(p, q);
-    let edge = |p: [__m512; 3], q: [__m512; 3]| _mm512_sub_ps(product(p[0], q[1]), product(p[1], q[0]));
-    [edge(c, b), edge(a, c), edge(b, a)]
-}
-
 impl Row {
     /// Its corners.
     #[inline]
@@ -166,30 +138,5 @@ impl Row {
     fn seen(&self, seen: &[Seen]) -> [[__m512; 3]; 3] {
         let corner = |c: usize| &seen[self.corners[c] as usize].0;
         each!(|c| each!(|k| floats_16(&corner(c)[k])))
-    }
-
-    /// The best hits after this triangle, which these rays might hit.
-    #[inline]
-    #[target_feature(enable = "avx512f")]
-    fn complete(&self, might: __mmask16, lines: &Lines, rays: &mut Sixteen, seen: &[Seen]) {
-        let corners = self.seen(seen);
-        let weights = weights(corners);
-        let sum = _mm512_add_ps(_mm512_add_ps(weights[0], weights[1]), weights[2]);
-        let [w, u, v] = each!(|k| _mm512_div_ps(weights[k], sum));
-        let [a, b, c] = each!(|c| corners[c][2]);
-        let t = _mm512_add_ps(_mm512_mul_ps(w, a), _mm512_mul_ps(u, b));
-        let t = _mm512_add_ps(t, _mm512_mul_ps(v, c));
-        let (entry, in_box) = lines.enters(self.own_box.lo, self.own_box.hi);
-        let hit = might & in_box;
-        let hit = _mm512_mask_cmp_ps_mask::<_CMP_NEQ_OQ>(hit, sum, _mm512_setzero_ps());
-        let hit = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(hit, t, _mm512_setzero_ps());
-        let hit = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(hit, t, _mm512_set1_ps(f32::INFINITY));
-        let t = _mm512_max_ps(entry, t);
-        let hit = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(hit, t, floats_16(&rays.tmax));
-        let (best, primitive) = (floats_16(&rays.best.t), _mm512_set1_epi32(self.primitive as i32));
-        let nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(hit, t, best);
-        let as_near = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(hit, t, best);
-        let first = _mm512_mask_cmplt_epu32_mask(as_near, primitive, words_16(&rays.best.primitive));
-        rays.best.set(nearer | first, primitive, [t, u, v]);
     }
 }

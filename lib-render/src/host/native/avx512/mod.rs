@@ -1,7 +1,9 @@
 //! The walk by AVX-512: many rays on their way, each in the list of what it does next. Few triangles take no walk ([`few`]).
 
+mod bundle;
 mod few;
 mod line;
+mod meet;
 mod outside;
 mod sixteen;
 mod tree;
@@ -9,7 +11,7 @@ mod triangle;
 mod vector;
 mod walker;
 
-use super::{Ray, Rays};
+use super::{Hit, Ray, Rays, Wanted};
 use crate::host::bvh::prefilter::usable;
 use crate::host::bvh::{Bounds, Dropped, Triangle};
 use crate::schema::NONE;
@@ -73,16 +75,20 @@ impl Triangles {
     ///
     /// # Panics
     /// Where the instructions are not there.
-    pub fn trace(&self, walkers: &mut Walkers, any_hit: bool, rays: &mut impl Rays) {
+    pub fn trace(&self, walkers: &mut Walkers, wanted: Wanted, rays: &mut impl Rays) {
         assert!(is_there(), "the native walk takes AVX-512");
         let desk = &mut walkers.desk;
         // SAFETY: the instructions are there.
         unsafe {
-            match (self, any_hit) {
-                (Triangles::Few(few), true) => few.trace::<true>(desk, rays),
-                (Triangles::Few(few), false) => few.trace::<false>(desk, rays),
-                (Triangles::Many(tree), true) => Walk::new(tree, walkers, rays).run::<true>(),
-                (Triangles::Many(tree), false) => Walk::new(tree, walkers, rays).run::<false>(),
+            match (self, wanted) {
+                (Triangles::Few(few), Wanted::Nearest | Wanted::NearestTogether) => few.trace::<false>(desk, rays),
+                (Triangles::Few(few), Wanted::Any) => few.trace::<true>(desk, rays),
+                (Triangles::Many(tree), Wanted::Nearest) => Walk::new(tree, walkers, rays).run::<false>(),
+                (Triangles::Many(tree), Wanted::Any) => Walk::new(tree, walkers, rays).run::<true>(),
+                (Triangles::Many(tree), Wanted::NearestTogether) => {
+                    let list = bundle::trace(tree, &mut desk.rays, rays);
+                    Walk::new(tree, walkers, &mut Apart { list, rays }).run::<false>();
+                }
             }
         }
     }
@@ -94,6 +100,29 @@ fn is_usable(ray: &Ray) -> bool {
     let sum = |v: [f32; 3]| v[0].abs() + v[1].abs() + v[2].abs();
     let (place, direction) = (sum(ray.org), sum(ray.dir));
     place < f32::INFINITY && direction > 0.0 && direction < f32::INFINITY
+}
+
+/// Rays that were taken from others, to which their hits go.
+struct Apart<'a, R> {
+    list: Vec<(u32, Ray, Hit)>,
+    rays: &'a mut R,
+}
+
+impl<R: Rays> Rays for Apart<'_, R> {
+    #[inline(always)]
+    fn next(&mut self) -> Option<(u32, Ray, Hit)> {
+        self.list.pop()
+    }
+
+    #[inline(always)]
+    fn done(&mut self, number: u32, hit: Hit) {
+        self.rays.done(number, hit);
+    }
+
+    #[inline(always)]
+    fn needs(&self, primitive: u32) -> *const u32 {
+        self.rays.needs(primitive)
+    }
 }
 
 /// Rays on their way.

@@ -11,8 +11,8 @@ use crate::schema::NONE;
 /// Rays, as [`Ray`], and their best hits.
 #[repr(align(64))]
 pub(super) struct Sixteen {
-    org: [[f32; 16]; 3],
-    dir: [[f32; 16]; 3],
+    pub org: [[f32; 16]; 3],
+    pub dir: [[f32; 16]; 3],
     pub tmax: [f32; 16],
     pub skip: [[u32; 16]; 3],
     pub best: Best,
@@ -60,13 +60,27 @@ impl Sixteen {
         }
     }
 
+    /// The ray of a lane: its number, and the best hit so far.
+    #[inline]
+    pub fn ray(&self, lane: usize) -> (u32, Ray, Hit) {
+        let three = |rows: &[[f32; 16]; 3]| [0, 1, 2].map(|k| rows[k][lane]);
+        let skip = [0, 1, 2].map(|k| self.skip[k][lane]);
+        let ray = Ray { org: three(&self.org), dir: three(&self.dir), tmax: self.tmax[lane], skip };
+        (self.numbers[lane], ray, self.hit(lane))
+    }
+
+    /// The best hit of a lane.
+    #[inline]
+    fn hit(&self, lane: usize) -> Hit {
+        let Best { primitive, t, u, v } = &self.best;
+        Hit { primitive: primitive[lane], t: t[lane], u: u[lane], v: v[lane] }
+    }
+
     /// Hands in what those of some lanes hit.
     #[inline]
     pub fn hand_in(&self, rays: &mut impl Rays, lanes: __mmask16) {
-        let Best { primitive, t, u, v } = &self.best;
         for lane in (0..self.count.min(16)).filter(|lane| lanes >> lane & 1 == 1) {
-            let hit = Hit { primitive: primitive[lane], t: t[lane], u: u[lane], v: v[lane] };
-            rays.done(self.numbers[lane], hit);
+            rays.done(self.numbers[lane], self.hit(lane));
         }
     }
 }
