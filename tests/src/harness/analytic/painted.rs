@@ -21,7 +21,7 @@ pub(super) fn painted() -> Vec<Closed> {
     let mut all = vec![
         checkered("checkered lamp", down, [2, 1], |_, _| ()),
         checkered("checkered lamp of many squares", down, [5, 4], |_, _| ()),
-        // Corners in another order: the halves are one light all the same, and begin elsewhere.
+        // Corners in another order: the halves are one light all the same.
         checkered("turned checkered lamp", down, [2, 1], |_, mesh| mesh.triangles = vec![[1, 2, 0], [3, 0, 2]]),
         checkered("checkered lamp turned on", down, [2, 1], |_, mesh| mesh.triangles = vec![[2, 0, 1], [0, 2, 3]]),
         checkered("checkered lamp in two halves", down, [2, 3], |scene, mesh| {
@@ -44,6 +44,14 @@ pub(super) fn painted() -> Vec<Closed> {
         disk(),
     ];
     let near = [Vec3::new(-0.8, 0.1, -0.3), Vec3::X, Vec3::Z * 0.9];
+    // The texel above the origin sends most of the light: who looks for it elsewhere on the lamp finds another one. Where two
+    // triangles share their shortest side, neither begins at a corner of the lamp.
+    for (how, across) in [("narrow", 1.0), ("wide", 1.3)] {
+        let lamp = pictured([Vec3::new(-0.3, 0.1, -0.45), Vec3::X * across, Vec3::new(-0.6, 0.0, 0.9)]);
+        let (name, choices) =
+            (format!("lamp with a {how} slanted picture"), Choices { solid_angle: true, ..lamp.choices });
+        all.push(Closed { name, choices, is_near: true, effort: 9, ..lamp });
+    }
     for (how, solid_angle) in [("by area", false), ("by solid angle", true)] {
         let lamp = checkered(&format!("checkered lamp at height 0.1, {how}"), near, [2, 1], |_, _| ());
         let choices = Choices { solid_angle, ..lamp.choices };
