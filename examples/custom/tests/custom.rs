@@ -11,7 +11,7 @@ use jerboa_lib_render::host::library::Library;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
 use jerboa_lib_render::host::tables::{Choices, Known, Tables};
 use jerboa_lib_render::host::{device::DeviceKind, device::Traversal};
-use jerboa_scenes::{Camera, Environment, Lens, LightKind, Model, Scene};
+use jerboa_scenes::{Camera, Environment, Lens, LightKind, Model, Scene, TextureSource};
 
 /// Green of the middle pixel, by one ray or many.
 fn middle(library: &Library, scene: &Scene, options: Options) -> f64 {
@@ -176,4 +176,27 @@ fn what_is_not_registered_is_an_error() {
     refused(&velvet(Model::named("minnaert").with("ns", &[9.0])), one(), &mine, "it takes no `ns`; it takes k");
     let other = Options { tracer: TracerKind::Own("other"), ..one() };
     refused(&scene(), other, &mine, "no tracer \"other\"; registered are facing");
+}
+
+#[test]
+fn what_is_not_registered_comes_in_by_no_edit() {
+    let mut plain = scene();
+    plain.lights[0].kind = LightKind::Point;
+    plain.textures[0].source = TextureSource::Checkerboard { even: [1.0; 3], odd: [0.0; 3] };
+    plain.materials[0].model = None;
+    let renderer = Renderer::new(&plain, one()).unwrap_or_else(|e| panic!("{e}"));
+    let with = |change: fn(&mut Scene)| {
+        let mut edited = plain.clone();
+        change(&mut edited);
+        edited
+    };
+    let edits: [(Scene, Part, &str); 3] = [
+        (with(|s| s.lights[0] = scene().lights[0].clone()), Part::Light(0), "light \"lamp\""),
+        (with(|s| s.textures[0] = scene().textures[0].clone()), Part::Texture(0), "texture \"rings\""),
+        (with(|s| s.materials[0] = scene().materials[0].clone()), Part::Material(0), "material \"moon\""),
+    ];
+    for (edited, part, whose) in edits {
+        let error = renderer.edited(&edited, part).map(|_| ()).expect_err("it is refused").to_string();
+        assert!(error.starts_with(whose) && error.contains("it is not registered"), "{error}");
+    }
 }

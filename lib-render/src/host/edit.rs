@@ -78,9 +78,8 @@ impl Renderer {
     /// and shares what has not changed.
     ///
     /// # Errors
-    /// When the scene has no such part, or the part refers to what is not there, names a model that is not, or is a light that
-    /// the tracer does not know; or when the
-    /// evaluator or the code generator gives up: a fault of Jerboa.
+    /// When the scene has no such part, or the part refers to what is not there, names a component that is not registered, or is
+    /// a light that the tracer does not know; or when the evaluator or the code generator gives up: a fault of Jerboa.
     pub fn edited(&self, scene: &Scene, part: Part) -> Result<(Renderer, Edit), Error> {
         let (start, thread_start) = (Instant::now(), thread_time());
         let change = self.reach(scene, part)?;
@@ -114,7 +113,7 @@ impl Renderer {
         let missing = |what: &str, number: usize, count: usize| {
             Err(Error::new(format!("there is no {what} {number}: the scene has {count}")))
         };
-        match part {
+        let change = match part {
             Part::Material(number) => {
                 let Some(new) = scene.materials.get(number) else {
                     return missing("material", number, scene.materials.len());
@@ -122,7 +121,6 @@ impl Renderer {
                 if let Some(texture) = textures(new).find(|t| *t >= scene.textures.len()) {
                     return missing("texture", texture, scene.textures.len());
                 }
-                check_models(scene, self.tables.library.components())?;
                 // A surface that shines, or did, is a light.
                 Ok(Change { lights: new.is_emissive() || self.tables.is_emissive(number), texels: false })
             }
@@ -141,7 +139,9 @@ impl Renderer {
                 let shines = |m: &Material| m.emissive_texture.is_some_and(|t| t.texture == number);
                 Ok(Change { lights: scene.materials.iter().any(shines), texels: true })
             }
-        }
+        }?;
+        check_models(scene, self.tables.library.components())?;
+        Ok(change)
     }
 
     /// The kernels for changed tables: those whose facts still hold, and the others made anew, which are also the second list.
