@@ -28,6 +28,16 @@ fn a_report_has_every_run_and_every_contestant() {
     for name in ["Jerboa --known structure", "Jerboa --known nothing", "<svg", "All scenes"] {
         assert!(page.contains(name), "{name}");
     }
+
+    // What is there is not measured again, and stays as it is; another budget is added.
+    let again = bench(folder.path(), &words.replace("--budget 0.3", "--budget 0.3,0.4"));
+    let doing = String::from_utf8_lossy(&again.stderr);
+    assert!(again.status.success() && doing.contains("cornell-box, 0.3 s: measured before"), "{doing}");
+    let more = std::fs::read_to_string(folder.path().join("runs.csv")).expect("it was written");
+    assert!(more.starts_with(&runs) && more.lines().count() == 9, "{more}");
+    let others = bench(folder.path(), &words.replace("--budget 0.3", "--budget 0.5 --ours --known=all"));
+    let doing = String::from_utf8_lossy(&others.stderr);
+    assert!(!others.status.success() && doing.contains("runs.csv has cornell-box by other contestants"), "{doing}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::args::SelectArgs;
 use super::scene;
 use crate::host::efficiency::contestant::{Contestant, Ours};
 use crate::host::efficiency::page::page;
-use crate::host::efficiency::table::{Metric, csv, gain};
+use crate::host::efficiency::table::{Metric, csv, from_csv, gain};
 use crate::host::efficiency::{Job, Measurement, measure, short_name};
 use crate::host::error::Error;
 use crate::host::figures::peer::Setting;
@@ -54,7 +54,7 @@ pub struct ErrorArgs {
     /// Write the report, a page that holds all it shows
     #[arg(short, long, value_name = "REPORT.html")]
     pub output: Option<PathBuf>,
-    /// Write a line for each run
+    /// Write a line for each run; what the file has already is not measured again
     #[arg(long, value_name = "RUNS.csv")]
     pub csv: Option<PathBuf>,
 }
@@ -62,30 +62,54 @@ pub struct ErrorArgs {
 /// What stands in the report for somebody who gave no words.
 const LEVELS: [&str; 2] = ["--known structure", "--known nothing"];
 
-/// Measures, writes the files that are asked for after each scene, and gives a table.
+/// Measures what the file of runs has not yet, writes the files that are asked for after each scene and budget, and gives a
+/// table.
 pub(super) fn run(args: &ErrorArgs) -> Result<String, Error> {
     for (path, ending) in [(&args.output, "html"), (&args.csv, "csv")] {
         if let Some(path) = path.as_ref().filter(|p| p.extension().is_none_or(|e| e != ending)) {
             return Err(Error::new(format!("cannot write {}: its name must end in .{ending}", path.display())));
         }
     }
-    let mut measurements: Vec<Measurement> = Vec::new();
+    let mut measurements = before(args)?;
     for path in &args.scenes {
         // For its size. What of the file is shown is for the words of each contestant to say.
         let (scene, _) = scene::load(path, &SelectArgs::default())?;
         let size = scene::film_size(&scene.camera_or_default(), args.width, args.height);
         drop(scene);
-        let job = Job {
-            size,
-            budgets: args.budget.iter().map(|b| f64::from(*b)).collect(),
-            runs: args.runs,
-            seed: args.seed,
-        };
-        let mut contestants = contestants(args, path, size)?;
-        measurements.push(measure(&short_name(path), &job, &mut contestants, |doing| eprintln!("{doing}"))?);
-        write(args, &measurements)?;
+        let name = short_name(path);
+        let at = measurements.iter().position(|m| m.scene == name && m.size == size).unwrap_or_else(|| {
+            measurements.push(Measurement { scene: name.clone(), size, outcomes: Vec::new() });
+            measurements.len() - 1
+        });
+        // To the microsecond: 0.3 is 0.3 then, not the next number in single precision.
+        for budget in args.budget.iter().map(|b| (f64::from(*b) * 1e6).round() / 1e6) {
+            let known = &measurements[at].outcomes;
+            if known.iter().any(|o| o.budget == budget) {
+                eprintln!("{name}, {budget} s: measured before");
+                continue;
+            }
+            let mut contestants = contestants(args, path, size)?;
+            let first = known.first().map(|o| o.budget);
+            let before = known.iter().filter(|o| Some(o.budget) == first).map(|o| o.contestant.as_str());
+            if first.is_some() && !before.eq(contestants.iter().map(Contestant::name)) {
+                let file = args.csv.as_deref().unwrap_or(Path::new("the runs")).display();
+                return Err(Error::new(format!("{file} has {name} by other contestants: choose another file")));
+            }
+            let job = Job { size, budgets: vec![budget], runs: args.runs, seed: args.seed };
+            let measured = measure(&name, &job, &mut contestants, |doing| eprintln!("{doing}"))?;
+            measurements[at].outcomes.extend(measured.outcomes);
+            write(args, &measurements)?;
+        }
     }
+    write(args, &measurements)?;
     Ok(measurements.iter().map(as_text).collect())
+}
+
+/// What the file of runs has, if there is one.
+fn before(args: &ErrorArgs) -> Result<Vec<Measurement>, Error> {
+    let Some(path) = args.csv.as_ref().filter(|path| path.exists()) else { return Ok(Vec::new()) };
+    let fault = |e: &dyn std::fmt::Display| Error::new(format!("{}: {e}", path.display()));
+    from_csv(&std::fs::read_to_string(path).map_err(|e| fault(&e))?).map_err(|e| fault(&e))
 }
 
 /// Ours, then the peer with each sampler and roulette. The rules are the references': shading normals free.
