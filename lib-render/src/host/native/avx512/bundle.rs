@@ -13,8 +13,9 @@ use super::vector::{descending, each, floats, floats_16, put, words, words_16};
 use crate::host::bvh::Bounds;
 use crate::schema::NONE;
 
-/// How far directions of rays that go together lie apart along each axis, relative to their largest coordinate, and their
-/// origins, relative to the scene: wider than this, they meet more triangles together than each would (tests/runs/native.txt).
+/// How far directions of rays that go together may lie apart along each axis, relative to their largest coordinate, and their
+/// origins, relative to the scene. Chosen, not tuned: sixteen pixels side by side in a film of some 300 still go together.
+/// Without a limit shadow rays took 17 times as long (tests/runs/native.txt).
 const WIDEST: f32 = 1.0 / 16.0;
 
 /// Traces rays, sixteen at a time in the order they come; gives those that do not go together.
