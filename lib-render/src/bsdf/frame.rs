@@ -58,8 +58,10 @@ impl Side {
 
 /// A frame around a unit normal whose tangent is the part of `along` across it; any tangent where that is nearly nothing.
 pub fn frame_along(normal: Vec3, along: Vec3) -> Frame3 {
-    let across = along - normal * normal.dot(along);
-    let tangent = across / across.length();
+    let across_of = |w: Vec3| w - normal * normal.dot(w);
+    let across = across_of(along);
+    // What rounding left along the normal is large beside a short difference: it is taken away once more.
+    let tangent = across_of(across / across.length()).normalize();
     let frame = Frame3 { tangent, bitangent: normal.cross(tangent), normal };
     across.length2().gt(1e-12).select(frame, Frame3::around(normal))
 }
