@@ -11,6 +11,7 @@ use crate::core::vec::{Vec2, Vec3, vec3};
 use crate::light::area::{Shape, by_solid_angle, seen_pdf};
 use crate::light::seen::Seen;
 use crate::material::EmissionValue;
+use crate::ray::Ray;
 use crate::schema::*;
 
 pub mod area;
@@ -65,8 +66,20 @@ pub struct EmissionSample {
     /// Density of the direction, per steradian; 0 where rounding put the ray on the rim of the hemisphere, `cos` is 0 too, and it
     /// carries nothing.
     pub pdf_dir: F32,
+    /// The primitive that it leaves, or `NONE`.
+    pub primitive: U32,
+    /// The other half of a quad, or `NONE`.
+    pub primitive1: U32,
 }
-impl_staged!(EmissionSample { pos, dir, intensity, cos, pdf_area, pdf_dir });
+impl_staged!(EmissionSample { pos, dir, intensity, cos, pdf_area, pdf_dir, primitive, primitive1 });
+
+impl EmissionSample {
+    /// The ray, which does not meet the light that it leaves.
+    pub fn ray(self) -> Ray {
+        let tmax = F32::from(f32::INFINITY);
+        Ray { org: self.pos, dir: self.dir, tmax, skip: self.primitive, skip1: self.primitive1, skip2: NONE.into() }
+    }
+}
 
 /// A light.
 #[derive(Clone, Copy)]

@@ -12,7 +12,7 @@ use jerboa_lib_render::core::sampling::{UNIFORM_SPHERE_PDF, uniform_sphere};
 use jerboa_lib_render::core::vec::{Vec3, vec2};
 use jerboa_lib_render::light::point::sample_place;
 use jerboa_lib_render::light::{EmissionSample, Light, first_edge, position, strength, unseen};
-use jerboa_lib_render::schema::Lights;
+use jerboa_lib_render::schema::{Lights, NONE};
 
 /// What scenes call it.
 pub const NAME: &str = "lamp";
@@ -42,6 +42,8 @@ fn make_lamp(row: Row<Lights>, numbers: Numbers) -> Light {
                 cos: 1.0.into(),
                 pdf_area: row.get(Lights::PROBABILITY),
                 pdf_dir: UNIFORM_SPHERE_PDF.into(),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
             }
         }),
         emission: unseen(),

@@ -162,6 +162,8 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
             cos: local.z,
             pdf_area: point_pdf(row),
             pdf_dir: emission_pdf(both, local.z),
+            primitive: row.get(Lights::PRIMITIVE),
+            primitive1: row.get(Lights::PRIMITIVE1),
         }
     });
     let emission = Fun::lam(move |b: &mut Block, (dir, weights): (Vec3, Vec2)| {

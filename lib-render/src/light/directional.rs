@@ -24,7 +24,16 @@ pub fn make_directional_light(row: Row<Lights>) -> Light {
         sample_emission: Fun::lam(move |_, rng: Rng| {
             let dir = first_edge(row);
             let (pos, pdf_area) = behind_scene(row, rng, -dir);
-            EmissionSample { pos, dir, intensity: strength(row), cos: 1.0.into(), pdf_area, pdf_dir: 1.0.into() }
+            EmissionSample {
+                pos,
+                dir,
+                intensity: strength(row),
+                cos: 1.0.into(),
+                pdf_area,
+                pdf_dir: 1.0.into(),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
+            }
         }),
         emission: unseen(),
         has_area: false.into(),

@@ -60,6 +60,8 @@ pub fn make_disk_light(row: Row<Lights>) -> Light {
                 cos: local.z,
                 pdf_area: row.get(Lights::PROBABILITY) / (PI * radius * radius),
                 pdf_dir: uniform_cone_pdf(opening),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
             }
         }),
         emission: unseen(),

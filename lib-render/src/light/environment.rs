@@ -39,8 +39,16 @@ pub fn make_environment_light(row: Row<Lights>) -> Light {
     let sample_emission = Fun::lam(move |_, rng: Rng| {
         let (sample, rng) = Map::new().sample(rng);
         let (pos, pdf_area) = behind_scene(row, rng, sample.dir);
-        let intensity = sample.radiance;
-        EmissionSample { pos, dir: -sample.dir, intensity, cos: 1.0.into(), pdf_area, pdf_dir: sample.pdf }
+        EmissionSample {
+            pos,
+            dir: -sample.dir,
+            intensity: sample.radiance,
+            cos: 1.0.into(),
+            pdf_area,
+            pdf_dir: sample.pdf,
+            primitive: NONE.into(),
+            primitive1: NONE.into(),
+        }
     });
     Light { sample_direct, sample_emission, emission: unseen(), has_area: false.into() }
 }

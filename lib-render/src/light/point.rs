@@ -21,6 +21,8 @@ pub fn make_point_light(row: Row<Lights>) -> Light {
                 cos: 1.0.into(),
                 pdf_area: row.get(Lights::PROBABILITY),
                 pdf_dir: UNIFORM_SPHERE_PDF.into(),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
             }
         }),
         emission: unseen(),

@@ -53,6 +53,8 @@ pub fn make_sphere_light(row: Row<Lights>) -> Light {
                 cos: local.z,
                 pdf_area: row.get(Lights::PROBABILITY) * UNIFORM_SPHERE_PDF / radius / radius,
                 pdf_dir: cosine_hemisphere_pdf(local.z),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
             }
         }),
         emission: unseen(),

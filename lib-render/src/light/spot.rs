@@ -9,7 +9,7 @@ use crate::core::sampling::{uniform_cone, uniform_cone_pdf};
 use crate::core::vec::{Vec3, vec2};
 use crate::light::point::sample_place;
 use crate::light::{EmissionSample, Light, first_edge, position, strength, unseen};
-use crate::schema::Lights;
+use crate::schema::{Lights, NONE};
 
 /// The smallest difference of cosines that the edge of a spot is spread over: the text of the extension.
 const SMALLEST_EDGE: f32 = 0.001;
@@ -32,6 +32,8 @@ pub fn make_spot_light(row: Row<Lights>) -> Light {
                 cos: 1.0.into(),
                 pdf_area: row.get(Lights::PROBABILITY),
                 pdf_dir: uniform_cone_pdf(opening),
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
             }
         }),
         emission: unseen(),

@@ -32,7 +32,16 @@ pub fn make_sun(row: Row<Lights>) -> Light {
             let (from, rng) = sample(row, rng);
             let (pos, pdf_area) = behind_scene(row, rng, from);
             let pdf_dir = uniform_cone_pdf(row.get(Lights::OPENING));
-            EmissionSample { pos, dir: -from, intensity: strength(row), cos: 1.0.into(), pdf_area, pdf_dir }
+            EmissionSample {
+                pos,
+                dir: -from,
+                intensity: strength(row),
+                cos: 1.0.into(),
+                pdf_area,
+                pdf_dir,
+                primitive: NONE.into(),
+                primitive1: NONE.into(),
+            }
         }),
         emission: unseen(),
         has_area: false.into(),

@@ -96,11 +96,20 @@ pub(super) fn emit(b: &mut Block, (x, y, sample): (U32, U32, U32)) -> Emitted {
     };
     let nothing = |_: &mut Block| {
         let (none, zero) = (vec3(0.0, 0.0, 0.0), F32::from(0.0));
-        let sample =
-            EmissionSample { pos: none, dir: none, intensity: black(), cos: zero, pdf_area: zero, pdf_dir: zero };
+        let sample = EmissionSample {
+            pos: none,
+            dir: none,
+            intensity: black(),
+            cos: zero,
+            pdf_area: zero,
+            pdf_dir: zero,
+            primitive: NONE.into(),
+            primitive1: NONE.into(),
+        };
         (U32::from(0), sample)
     };
-    let (light, EmissionSample { pos, dir, intensity, cos, pdf_area, pdf_dir }) = b.if_(has_lights(), drawn, nothing);
+    let (light, sample) = b.if_(has_lights(), drawn, nothing);
+    let EmissionSample { intensity, cos, pdf_area, pdf_dir, .. } = sample;
     let density = pdf_area * pdf_dir;
     let throughput = density.gt(0.0).select(intensity * (cos / density), black());
     let state = RayState {
@@ -112,9 +121,7 @@ pub(super) fn emit(b: &mut Block, (x, y, sample): (U32, U32, U32)) -> Emitted {
         is_specular: false.into(),
         absorption: absorption_around(Row::at(light)),
     };
-    let none = NONE.into();
-    let ray = Ray { org: pos, dir, tmax: F32::from(f32::INFINITY), skip: none, skip1: none, skip2: none };
-    Emitted { light, ray, state, cos, pdf_area, pdf_dir }
+    Emitted { light, ray: sample.ray(), state, cos, pdf_area, pdf_dir }
 }
 
 /// Absorption where a light is, 1/m.

@@ -82,6 +82,8 @@ pub struct Emitted {
     pub dir: V,
     /// What it carries: intensity · cosine / density.
     pub flux: f64,
+    /// Does it hit anything?
+    pub is_blocked: bool,
 }
 
 /// The lights of a scene.
@@ -172,12 +174,13 @@ impl Default for LightProbe {
             );
             entry(
                 "emit",
-                Fun::lam(|b, (rng, index): (Rng, U32)| {
-                    with_light(b, index, |b, light| {
+                Fun::lam(move |b, (rng, index): (Rng, U32)| {
+                    with_light(b, index, move |b, light| {
                         let e = light.sample_emission.call(b, rng);
                         let share = e.pdf_dir.gt(0.0).select(e.cos / (e.pdf_area * e.pdf_dir), 0.0.into());
                         let carried: Color = e.intensity * share;
-                        (e.dir, carried.g)
+                        let met = traverse.call(b, (e.ray(), Keep(true.into()), accept())).is_hit();
+                        (e.dir, carried.g, met)
                     })
                 }),
             );
@@ -255,7 +258,7 @@ impl LightProbe {
         let args = [&stream(key)[..], &[index]].concat();
         let out = if both { self.bench.run_both("emit", &args) } else { self.bench.run("emit", &args) };
         let [x, y, z, flux] = floats(&out);
-        Emitted { dir: [x, y, z], flux: f64::from(flux) }
+        Emitted { dir: [x, y, z], flux: f64::from(flux), is_blocked: out[4] != 0 }
     }
 }
 

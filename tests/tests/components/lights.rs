@@ -442,6 +442,31 @@ fn the_texels_that_are_asked_for_are_those_that_are_read() {
     }
 }
 
+/// T10. No ray that leaves a lamp meets it, also where the lamp's points have no error to be moved by: on a plane through 0.
+#[test]
+fn no_ray_that_leaves_a_lamp_meets_it() {
+    let mut probe = LightProbe::default();
+    let n = samples(1_000);
+    println!("{n} samples, keys 0 to {n}");
+    for (height, lean) in [(0.0, 0.0), (1e-3, 0.0), (1.0, 0.0), (0.3, 0.7)] {
+        for triangles in [2, 1] {
+            let mut scene = Scene::default();
+            let lamp = rectangle(glam::vec3(-1.0, height, -1.0), glam::Vec3::Z * 0.8, glam::vec3(2.0, lean, 0.0));
+            place(
+                &mut scene,
+                lamp,
+                Material { double_sided: true, ..Material::emitter("lamp", [1.0; 3]) },
+                1.0,
+                DVec3::ZERO,
+            );
+            scene.meshes[0].triangles.truncate(triangles);
+            probe.load(&scene);
+            let met = (0..n as u32).filter(|key| probe.emit(*key, 0, false).is_blocked).count();
+            assert_eq!(met, 0, "at height {height}, leaning by {lean}, {triangles} triangles");
+        }
+    }
+}
+
 /// Rays that leave a light carry its flux.
 #[test]
 fn the_rays_that_leave_a_light_carry_its_flux() {
