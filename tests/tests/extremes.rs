@@ -99,22 +99,24 @@ fn extreme_components_of_a_crate_drop_nothing() {
         let what = format!("k {k}, exponent {exponent}, coordinates of {coordinates:e}, rings of {width}");
         check(&what, &square(coordinates, k, width, exponent));
     }
-    // In the plane of the square, on it, a hair before it, behind it, and out of this world.
+    // In the plane of the square, on it, a hair before it, behind it, out of this world, and turned away from a half of it.
     let places = [
-        ([0.3, 0.2, 0.0], 0.0),
-        ([2.0, 0.0, 0.0], 1.0),
-        ([0.0; 3], 0.0),
-        ([0.3, 0.2, 1e-7], 100.0),
-        ([0.0, 0.0, 1e-30], 0.0),
-        ([0.0, 0.0, -1.0], 100.0),
-        ([0.0, 0.0, 1e15], 0.0),
+        ([0.3, 0.2, 0.0], 0.3, 0.0),
+        ([2.0, 0.0, 0.0], 0.3, 1.0),
+        ([0.0; 3], 0.3, 0.0),
+        ([0.3, 0.2, 1e-7], 0.3, 100.0),
+        ([0.0, 0.0, 1e-30], 0.3, 0.0),
+        ([0.0, 0.0, -1.0], 0.3, 100.0),
+        ([0.0, 0.0, 1e15], 0.3, 0.0),
+        ([0.0, 0.0, 0.5], PI / 2.0, 0.0),
+        ([0.0, 0.0, 0.5], PI / 2.0, 8.5),
     ];
-    for (at, exponent) in places {
+    for (at, turn, exponent) in places {
         let mut scene = square(1.0, 8.0, 0.2, exponent);
-        scene.lights[0].to_world = DAffine3::from_translation(DVec3::from(at)) * DAffine3::from_rotation_x(0.3);
+        scene.lights[0].to_world = DAffine3::from_translation(DVec3::from(at)) * DAffine3::from_rotation_x(turn);
         // Within what the film can hold: intensity over the squared distance.
         scene.lights[0].intensity = [1e-8; 3];
-        check(&format!("a lamp at {at:?}, exponent {exponent}"), &scene);
+        check(&format!("a lamp at {at:?}, turned by {turn}, exponent {exponent}"), &scene);
     }
     // Seen along the square.
     for height in [1e-6, 0.0] {

@@ -32,16 +32,28 @@ fn texture(texture: usize) -> Option<TextureRef> {
     Some(TextureRef { texture, uv_set: 0, transform: None })
 }
 
+/// Each lobe on a strip of the ceiling, which alone lights the floor that is seen: the lamp lies in the floor's plane. So all of it
+/// came by a lobe, of which paths from the lamp draw a direction and paths from the camera a place on the lamp.
 #[test]
 fn they_agree_on_lobes() {
     let paint = || Material::diffuse("paint", [0.7, 0.4, 0.3]);
     let film = Iridescence::new(0.8, 400.0);
-    let scene = balls([
+    let mut scene = Scene::default();
+    let floor = rectangle(Vec3::new(-1.0, 0.0, 0.0), Vec3::Z * 1.5, Vec3::X * 2.0);
+    place(&mut scene, floor, Material::diffuse("floor", [0.7, 0.6, 0.5]), 1.0, DVec3::ZERO);
+    let lamp = rectangle(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 0.8, Vec3::X * 2.0);
+    place(&mut scene, lamp, Material::emitter("lamp", [10.0; 3]), 1.0, DVec3::ZERO);
+    let strips = [
         Material { clearcoat: Some(Clearcoat::new(1.0, 0.5)), ..paint() },
         Material { sheen: Some(Sheen::new([0.6, 0.7, 0.9], 0.5)), ..paint() },
         Material { iridescence: Some(film), ..Material::plastic("film", [0.3, 0.4, 0.7], 0.5) },
         Material { anisotropy: Some(Anisotropy::new(0.8)), ..Material::metal("brushed", [0.9, 0.8, 0.7], 0.4) },
-    ]);
+    ];
+    for (material, x) in strips.into_iter().zip([-0.7, -0.35, 0.0, 0.35]) {
+        let strip = rectangle(Vec3::new(x, 0.7, -1.0), Vec3::X * 0.35, Vec3::Z * 2.5);
+        place(&mut scene, strip, material, 1.0, DVec3::ZERO);
+    }
+    scene.cameras = vec![Camera::look_at("below", DVec3::new(0.0, 0.66, 0.9), DVec3::new(0.0, 0.0, 0.7), 1.3)];
     Case::of("lobes", &scene).agree(&LIGHT_SIDES);
 }
 
