@@ -4,7 +4,7 @@
 //! times the samples.
 
 use jerboa_lib_render::host::tables::Choices;
-use jerboa_scenes::{Lens, Scene};
+use jerboa_scenes::{Lens, Material, Scene};
 use jerboa_tests::harness::metamorphic::{
     CHANGES, Renders, brighter, dyadic, medley, scaled, translated, words, words_by,
 };
@@ -88,6 +88,26 @@ fn no_bit_tells_where_a_scene_stands() {
         for by in [1024.0, 1_048_576.0].into_iter().skip(usize::from(number > 0)) {
             assert!(words_by(&translated(&scene, by), choices, 24, 2) == here, "{lens:?}, moved by {by}");
         }
+    }
+}
+
+/// Each lobe of that scene is seen: by a thousandth of a number of it bits change.
+#[test]
+fn bits_tell_each_lobe() {
+    type Change = fn(&mut Material);
+    let changes: [(&str, Change); 6] = [
+        ("coat", |m| m.clearcoat.iter_mut().for_each(|coat| coat.roughness *= 1.001)),
+        ("sheen", |m| m.sheen.iter_mut().for_each(|sheen| sheen.roughness *= 1.001)),
+        ("film", |m| m.iridescence.iter_mut().for_each(|film| film.thickest *= 1.001)),
+        ("leaf", |m| m.diffuse_transmission.iter_mut().for_each(|leaf| leaf.factor *= 1.001)),
+        ("anisotropy", |m| m.anisotropy.iter_mut().for_each(|stretch| stretch.strength *= 1.001)),
+        ("another model", |m| m.model.iter_mut().for_each(|_| m.base_color[1] *= 1.001)),
+    ];
+    let here = words(&dyadic(), 24, 2);
+    for (name, change) in changes {
+        let mut scene = dyadic();
+        scene.materials.iter_mut().for_each(change);
+        assert!(words(&scene, 24, 2) != here, "{name}: nobody sees it");
     }
 }
 
