@@ -52,6 +52,15 @@ fn rows_of_one_structure_cost_nothing() {
     }
 }
 
+/// Where all is known and there are more lights than a dispatch tells apart, it tells their kinds apart and no others.
+#[test]
+fn of_very_many_lights_their_kinds_are_known() {
+    let scene = lights(MOST_CLASSES as usize + 1);
+    let [structure, all] = [Known::Structure, Known::All].map(|known| nodes(&residuals(&scene, known)));
+    println!("nodes: {structure} with structure known, {all} with all");
+    assert!(all <= structure);
+}
+
 /// Also where a kernel does not know the material, there is no model in it that no material has.
 #[test]
 fn the_kernel_of_the_rest_has_the_models_of_the_scene_alone() {

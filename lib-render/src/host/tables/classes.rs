@@ -41,13 +41,7 @@ pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Fac
     if known == Known::Nothing {
         return components(memory);
     }
-    let mut classes = partitions(memory, known);
-    // So many kernels differ in numbers only; what they would gain by them is not worth the time to make them.
-    let shaders = |classes: &[Vec<u32>]| count(&classes[binding::<Geometries>()]);
-    let known = if shaders(&classes) > MOST_CLASSES { Known::Structure } else { known };
-    if known == Known::Structure {
-        classes = partitions(memory, known);
-    }
+    let (known, mut classes) = told_apart(memory, known);
     for (classes, former) in classes.iter_mut().zip(&former.tables) {
         keep_numbers(classes, &former.class_of);
     }
@@ -57,7 +51,26 @@ pub fn classify(memory: &mut [Arc<Memory>], known: Known, former: &Facts) -> Fac
             rows.iter().enumerate().for_each(|(row, class)| words[row * spec.3.len()] = *class);
         }
     }
-    Facts { tables: BUFFERS.iter().enumerate().map(|(b, s)| facts(b, s, memory, &classes, known)).collect() }
+    Facts { tables: BUFFERS.iter().enumerate().map(|(b, s)| facts(b, s, memory, &classes, known[b])).collect() }
+}
+
+/// What is known of each table, and the class of each of its rows.
+fn told_apart(memory: &[Arc<Memory>], known: Known) -> (Vec<Known>, Vec<Vec<u32>>) {
+    let mut known = vec![known; BUFFERS.len()];
+    loop {
+        let classes = partitions(memory, &known);
+        let too_many = |b: usize| known[b] == Known::All && count(&classes[b]) > MOST_CLASSES;
+        let tables: Vec<usize> = (0..BUFFERS.len()).filter(|b| too_many(*b)).collect();
+        if tables.is_empty() {
+            return (known, classes);
+        }
+        // So many kernels differ in numbers only; what they would gain by them is not worth the time to make them.
+        if tables.contains(&binding::<Geometries>()) {
+            known.fill(Known::Structure);
+        }
+        // No dispatch tells so many rows apart: their kinds are worth more than their numbers.
+        tables.into_iter().for_each(|b| known[b] = Known::Structure);
+    }
 }
 
 /// What is known where nothing is: which components the scene names, and the sampler.
@@ -72,13 +85,13 @@ fn components(memory: &[Arc<Memory>]) -> Facts {
 }
 
 /// The class of each row of each table, numbered by first occurrence.
-fn partitions(memory: &[Arc<Memory>], known: Known) -> Vec<Vec<u32>> {
+fn partitions(memory: &[Arc<Memory>], known: &[Known]) -> Vec<Vec<u32>> {
     let rows = |(spec, m): (&Spec, &Arc<Memory>)| vec![0; if is_classed(spec) { m.rows as usize } else { 0 }];
     let mut classes: Vec<Vec<u32>> = BUFFERS.iter().zip(memory).map(rows).collect();
     // A class refines with the classes it refers to, and only so often as there are rows: this settles.
     loop {
         let refined: Vec<Vec<u32>> =
-            BUFFERS.iter().enumerate().map(|(b, s)| partition(b, s, memory, &classes, known)).collect();
+            BUFFERS.iter().enumerate().map(|(b, s)| partition(b, s, memory, &classes, known[b])).collect();
         if refined == classes {
             return classes;
         }
