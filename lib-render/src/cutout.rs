@@ -3,14 +3,19 @@
 
 use jerboa_ir::lang::{Block, Bool, F32, Row, U32};
 
-use crate::core::rng::{DIM_HOLES, Stream};
+use crate::core::rng::Stream;
 use crate::core::vec::Vec2;
 use crate::culling::is_culled;
+use crate::cutout::blend::blended_is_there;
+use crate::cutout::mask::masked_is_there;
 use crate::geometry::triangle::Triangle;
 use crate::schema::{ALPHA_MASK, ALPHA_OPAQUE, Geometries, Materials};
 use crate::texture::look_up;
 use crate::tracer::RayState;
 use crate::traverse::AcceptFn;
+
+pub mod blend;
+pub mod mask;
 
 /// Alpha of a material at these texture coordinates: factor times texture.
 pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
@@ -23,9 +28,6 @@ pub fn alpha(b: &mut Block, row: Row<Materials>, uv: [Vec2; 2]) -> F32 {
 }
 
 /// Is there a surface at these texture coordinates, where its vertices have the alpha `vertices`?
-///
-/// Mask: where alpha ≥ the cutoff. Blend: with probability alpha, by a number that depends on pixel and sample (the
-/// `stream`), path vertex and primitive alone, so that every traversal order sees the same holes (Law 9).
 pub fn is_there(
     b: &mut Block,
     row: Row<Materials>,
@@ -42,8 +44,8 @@ pub fn is_there(
             let alpha = alpha(b, row, uv) * vertices;
             b.if_(
                 mode.eq(ALPHA_MASK),
-                |_| alpha.ge(row.get(Materials::ALPHA_CUTOFF)),
-                |_| alpha.gt(stream.vertex(vertex, DIM_HOLES).of(primitive)),
+                |_| masked_is_there(row, alpha),
+                |_| blended_is_there(alpha, stream, vertex, primitive),
             )
         },
     )

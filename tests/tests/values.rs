@@ -11,6 +11,7 @@ use jerboa_lib_render::core::fresnel::fresnel_dielectric;
 use jerboa_lib_render::core::microfacet::{Widths, ggx_d};
 use jerboa_lib_render::core::onb::onb;
 use jerboa_lib_render::core::sampling::*;
+use jerboa_lib_render::core::triangle::uniform_triangle;
 use jerboa_lib_render::core::vec::{Vec3, vec2, vec3};
 use jerboa_lib_render::host::bvh::Bvh;
 use jerboa_lib_render::ray::{Hit, Ray};

@@ -16,6 +16,7 @@ pub mod gloss;
 pub mod conductor;
 pub mod rough_diffuse;
 pub mod plastic;
+pub mod thin_wall;
 pub mod thin_glass;
 pub mod models;
 

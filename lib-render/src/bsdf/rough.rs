@@ -13,6 +13,7 @@ use jerboa_ir::lang::F32;
 
 use crate::bsdf::dielectric::refract;
 use crate::bsdf::frame::reflect;
+use crate::bsdf::thin_wall::behind;
 use crate::core::microfacet::{Widths, ggx_d, ggx_g1_over_cos, ggx_sample_visible};
 use crate::core::vec::{Vec2, Vec3, vec3};
 use crate::geometry::Frame3;
@@ -99,7 +100,7 @@ impl Rough {
 
     /// Through a thin wall to wi (local): the mirror image of reflection, unbent.
     pub fn passage(self, wi: Vec3) -> Facet {
-        self.reflection(vec3(wi.x, wi.y, -wi.z))
+        self.reflection(behind(wi))
     }
 }
 
@@ -110,5 +111,7 @@ fn nothing() -> Facet {
 
 /// The index of an inside, kept away from 1.
 pub fn bending(ior: F32) -> F32 {
-    (ior - 1.0).abs().lt(LEAST_BEND).select((1.0 + LEAST_BEND).into(), ior)
+    // By no difference, which Fresnel's factor takes too: smooth glass would seem to have it from here.
+    let is_near = ior.gt(1.0 - LEAST_BEND) & ior.lt(1.0 + LEAST_BEND);
+    is_near.select((1.0 + LEAST_BEND).into(), ior)
 }

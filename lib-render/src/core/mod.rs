@@ -8,6 +8,7 @@ pub mod sobol;
 pub mod math;
 pub mod onb;
 pub mod sampling;
+pub mod triangle;
 pub mod spherical;
 pub mod cdf;
 pub mod alias;

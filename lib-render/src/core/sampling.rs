@@ -43,16 +43,6 @@ pub fn tent(u: F32) -> F32 {
     (1.0 - (1.0 - a.abs()).sqrt()).copysign(a)
 }
 
-/// Barycentric weights of the second and the third corner, uniform over a triangle.
-///
-/// Source: Heitz 2019, "A low-distortion map between triangle and square", listing 3.
-pub fn uniform_triangle(u: Vec2) -> Vec2 {
-    let low = u.y.gt(u.x);
-    let x = low.select(u.x * 0.5, u.x - u.y * 0.5);
-    let y = low.select(u.y - u.x * 0.5, u.y * 0.5);
-    vec2(x, y)
-}
-
 /// A direction of the sphere, uniform: [`UNIFORM_SPHERE_PDF`].
 pub fn uniform_sphere(u: Vec2) -> Vec3 {
     cone_rim(u.x * 2.0, u.y)

@@ -9,8 +9,9 @@ use jerboa_ir::lang::{Block, Bool, F32, Fun, Row, U32};
 use crate::core::color::{Color, black};
 use crate::core::onb::onb;
 use crate::core::rng::Rng;
-use crate::core::sampling::{cosine_hemisphere, uniform_triangle};
+use crate::core::sampling::cosine_hemisphere;
 use crate::core::spherical::SeenTriangle;
+use crate::core::triangle::uniform_triangle;
 use crate::core::vec::{Vec2, Vec3, vec2, vec3};
 use crate::geometry::offset::offset_point;
 use crate::geometry::triangle::{GAMMA_7, Triangle};
@@ -19,7 +20,7 @@ use crate::light::{DirectLightSample, EmissionSample, Light, first_edge, positio
 use crate::lobes::through_coat;
 use crate::material::{EmissionValue, emitted_radiance};
 use crate::ray::Hit;
-use crate::schema::{Lights, Settings};
+use crate::schema::{Lights, NONE, Settings};
 
 /// An emissive triangle.
 pub fn make_triangle_light(row: Row<Lights>) -> Light {
@@ -52,6 +53,11 @@ impl Shape {
         if self == Shape::Triangle { uniform_triangle(u) } else { u }
     }
 
+    /// The primitive that is the other half, or `NONE`.
+    fn second(self, row: Row<Lights>) -> U32 {
+        if self == Shape::Triangle { NONE.into() } else { row.get(Lights::PRIMITIVE1) }
+    }
+
     /// The point with these weights of the edges, as a hit of the primitive it is on.
     fn hit(self, row: Row<Lights>, weights: Vec2) -> Hit {
         let of = |primitive, weights: Vec2| Hit { primitive, t: 0.0.into(), u: weights.x, v: weights.y };
@@ -61,7 +67,7 @@ impl Shape {
         }
         // The other half: its edges leave from the opposite corner, towards the same two.
         let beyond = vec2(1.0 - weights.x, 1.0 - weights.y);
-        let second = of(row.get(Lights::PRIMITIVE1), turned(beyond, row.get(Lights::TURN1)));
+        let second = of(self.second(row), turned(beyond, row.get(Lights::TURN1)));
         (weights.x + weights.y).le(1.0).select(of(first, turned(weights, row.get(Lights::TURN))), second)
     }
 }
@@ -141,7 +147,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
             pdf_dir: shines.select(by_angle.select(pdf, by_area), F32::from(0.0)),
             is_delta: false.into(),
             primitive: row.get(Lights::PRIMITIVE),
-            primitive1: row.get(Lights::PRIMITIVE1),
+            primitive1: shape.second(row),
         }
     });
     let sample_emission = Fun::lam(move |b: &mut Block, rng: Rng| {
@@ -163,7 +169,7 @@ fn make_area_light(row: Row<Lights>, shape: Shape) -> Light {
             pdf_area: point_pdf(row),
             pdf_dir: emission_pdf(both, local.z),
             primitive: row.get(Lights::PRIMITIVE),
-            primitive1: row.get(Lights::PRIMITIVE1),
+            primitive1: shape.second(row),
         }
     });
     let emission = Fun::lam(move |b: &mut Block, (dir, weights): (Vec3, Vec2)| {

@@ -65,12 +65,12 @@ impl Subject {
         self.tracer == TracerKind::Path || self.tracer.is_splatting()
     }
 
-    /// The residuals of all its kernels, with the scene's structure known: name and program.
+    /// The residuals of all its kernels, with so much of the scene known: name and program.
     ///
     /// # Panics
     /// When there is none: a fault of Jerboa.
-    pub fn residuals(&self) -> Vec<(String, Program)> {
-        let tables = Tables::of(&self.library, &self.scene, &self.choices, Known::Structure, Traversal::Ir);
+    pub fn residuals(&self, known: Known) -> Vec<(String, Program)> {
+        let tables = Tables::of(&self.library, &self.scene, &self.choices, known, Traversal::Ir);
         let requests = self.device.requests(&tables, self.tracer);
         let program = |request| {
             residual(&tables, request, Keep::default()).unwrap_or_else(|e| panic!("{}: {e}", self.name)).program

@@ -5,6 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use jerboa_ir::lang::{Bool, F32};
 use jerboa_lib_render::core::sampling::*;
+use jerboa_lib_render::core::triangle::uniform_triangle;
 use jerboa_lib_render::core::vec::{Vec2, Vec3, vec2, vec3};
 
 /// What a warp fills.

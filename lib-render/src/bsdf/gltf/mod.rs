@@ -24,6 +24,7 @@
 //!   at the microfacet. `sample` calls the code of `pdf` and `eval` for the direction it found.
 //! - Source: glTF 2.0, appendix B, and the extensions' texts; Shirley 1991, section 4.2, for the coupling of diffuse.
 
+mod smooth;
 mod values;
 mod view;
 

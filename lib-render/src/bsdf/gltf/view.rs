@@ -3,19 +3,20 @@
 use jerboa_ir::impl_staged;
 use jerboa_ir::lang::{Block, Bool, F32};
 
+use super::smooth::sample_smooth;
 use super::values::{GltfValues, Split, passing};
 use crate::bsdf::BsdfSample;
 use crate::bsdf::bent::bend_ratio;
-use crate::bsdf::dielectric::{refract, refraction};
 use crate::bsdf::diffuse::{diffuse_comes_through, diffuse_is_seen, diffuse_pdf, sample_diffuse};
-use crate::bsdf::frame::{Side, frame_along, reflect, shading_cos};
+use crate::bsdf::frame::{Side, frame_along, shading_cos};
 use crate::bsdf::rough::{Facet, Rough, bending};
+use crate::bsdf::thin_wall::behind;
 use crate::core::color::{Color, black};
 use crate::core::fresnel::refracted_cos;
 use crate::core::microfacet::Widths;
 use crate::core::rng::Rng;
 use crate::core::sampling::share_of;
-use crate::core::vec::{Vec3, vec2, vec3};
+use crate::core::vec::{Vec3, vec2};
 use crate::geometry::{Frame3, SurfaceElement};
 
 /// f per steradian and pdf per steradian of one direction.
@@ -30,17 +31,17 @@ impl_staged!(Value { f, pdf });
 #[derive(Clone, Copy)]
 pub(super) struct View {
     surf: SurfaceElement,
-    values: GltfValues,
-    wo: Vec3,
-    side: Side,
+    pub(super) values: GltfValues,
+    pub(super) wo: Vec3,
+    pub(super) side: Side,
     /// Bent shading normal: that of mirrors and microfacets.
-    normal: Vec3,
+    pub(super) normal: Vec3,
     /// Index beyond the interface over the index before it.
-    eta: F32,
+    pub(super) eta: F32,
     /// Indices before and beyond the interface of a solid.
     indices: (F32, F32),
     /// Probability of sampling a microfacet rather than diffuse reflection.
-    facets: F32,
+    pub(super) facets: F32,
     /// Share of light that passes the layer towards wo.
     passes: F32,
 }
@@ -165,7 +166,7 @@ impl View {
         let facet = values.has_facets() & (!values.has_diffuse | u.lt(self.facets));
         b.if_(
             facet & values.smooth,
-            |b| self.sample_smooth(b, rng),
+            |b| sample_smooth(self, b, rng),
             |b| {
                 let (wi, found) =
                     b.if_(facet, |b| self.sample_rough(b, rng), |_| (self.sample_diffuse(rng), Bool::from(true)));
@@ -195,29 +196,6 @@ impl View {
         BsdfSample { radiance_scale, ..sample }
     }
 
-    /// Perfect reflection or refraction.
-    fn sample_smooth(self, b: &mut Block, rng: Rng) -> BsdfSample {
-        let (values, side) = (self.values, self.side);
-        let (u, _) = rng.next();
-        let split = values.split_at(b, self.normal.dot(self.wo), self.eta);
-        b.if_(
-            values.has_transmission & u.ge(split.choice),
-            |b| {
-                let weight = split.refracted / ((1.0 - split.choice) * self.facets);
-                b.if_(
-                    values.thin,
-                    |_| BsdfSample::specular(-self.wo, side.transmits(-self.wo).select(weight, black())),
-                    |_| refraction(side, refract(self.wo, self.normal, self.eta), self.eta, weight),
-                )
-            },
-            |_| {
-                let wi = reflect(self.wo, self.normal);
-                let weight = split.reflected / (split.choice * self.facets);
-                BsdfSample::specular(wi, side.reflects(wi).select(weight, black()))
-            },
-        )
-    }
-
     /// A direction by way of a visible microfacet, world. Is it on the side where the microfacet was to send it? Else the
     /// sample failed: the density there is that of other microfacets.
     fn sample_rough(self, b: &mut Block, rng: Rng) -> (Vec3, Bool) {
@@ -230,12 +208,11 @@ impl View {
             values.has_transmission,
             |b| {
                 let split = values.split_at(b, rough.wo.dot(h), self.eta);
-                let behind = |b: &mut Block| {
-                    let through = vec3(mirrored.x, mirrored.y, -mirrored.z);
-                    let local = b.if_(values.thin, |_| through, |_| rough.refracted(h, self.eta));
+                let beyond = |b: &mut Block| {
+                    let local = b.if_(values.thin, |_| behind(mirrored), |_| rough.refracted(h, self.eta));
                     (local, -local.z)
                 };
-                b.if_(choice.ge(split.choice), behind, |_| (mirrored, mirrored.z))
+                b.if_(choice.ge(split.choice), beyond, |_| (mirrored, mirrored.z))
             },
             |_| (mirrored, mirrored.z),
         );

@@ -55,8 +55,7 @@ pub const TABLE: &[Feature] = &[
     code("emission, and widths of facets", &["material.rs"], |s| {
         s.shows_light() && (any(s, Material::is_emissive) || has_facets(s))
     }),
-    code("gloss", &["bsdf/mod.rs", "bsdf/gltf/values.rs", "bsdf/rough.rs", "core/fresnel.rs"], has_shown_facets),
-    code("rough facets", &["core/microfacet.rs"], |s| has_shown_facets(s) && scatters_widely(s)),
+    code("gloss", &["bsdf/mod.rs", "bsdf/gltf/values.rs", "core/fresnel.rs"], has_shown_facets),
     code("layers over materials", &["bsdf/layer.rs"], |s| any(s, |m| m.sheen.is_some() || m.clearcoat.is_some())),
     code("gloss of opaque models", &["bsdf/gloss.rs"], |s| has_model(s, "plastic") || has_model(s, "conductor")),
     code("shares of models", &["bsdf/mix.rs"], |s| has_model(s, "blend") || has_model(s, "phong")),

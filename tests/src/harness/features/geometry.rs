@@ -54,7 +54,13 @@ pub const TABLE: &[Feature] = &[
         name: "alpha masks",
         used: |s| any(s, |m| matches!(m.alpha_mode, AlphaMode::Mask(_))),
         facts: &["Materials.ALPHA_MODE"],
-        leaves: &["Materials.ALPHA_CUTOFF"],
+        leaves: &["Materials.ALPHA_CUTOFF", "cutout/mask.rs"],
+    },
+    Feature {
+        name: "surfaces that fade",
+        used: |s| any(s, |m| m.alpha_mode == AlphaMode::Blend),
+        facts: &["Materials.ALPHA_MODE"],
+        leaves: &["cutout/blend.rs"],
     },
     Feature {
         name: "back faces that are culled",

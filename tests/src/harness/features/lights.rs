@@ -47,6 +47,18 @@ pub const TABLE: &[Feature] = &[
         leaves: &["Lights.AREA", "Lights.E2_X", "Materials.EMISSION_", "Primitives.LIGHT", "light/area.rs"],
     },
     Feature {
+        name: "triangles of light",
+        used: has_triangle_lights,
+        facts: &["Lights.KIND"],
+        leaves: &["core/triangle.rs"],
+    },
+    Feature {
+        name: "parallelograms of light",
+        used: has_quad_lights,
+        facts: &["Lights.KIND"],
+        leaves: &["Lights.PRIMITIVE1", "Lights.TURN1"],
+    },
+    Feature {
         name: "lamps that shine on both sides",
         used: |s| any(s, |m| m.is_emissive() && m.double_sided) && s.shows_light(),
         facts: &["Materials.DOUBLE_SIDED", "Lights.DOUBLE_SIDED"],

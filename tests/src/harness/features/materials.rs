@@ -24,6 +24,18 @@ pub const TABLE: &[Feature] = &[
         leaves: &["Materials.ROUGHNESS"],
     },
     Feature {
+        name: "rough facets",
+        used: |s| s.shows_light() && any(s, has_rough_facets),
+        facts: &["Materials.SMOOTH", "Materials.COAT_SMOOTH"],
+        leaves: &["bsdf/rough.rs", "core/microfacet.rs"],
+    },
+    Feature {
+        name: "smooth facets",
+        used: |s| s.shows_light() && any(s, has_smooth_facets),
+        facts: &["Materials.SMOOTH"],
+        leaves: &["bsdf/gltf/smooth.rs"],
+    },
+    Feature {
         name: "transmission",
         used: |s| any(s, transmits),
         facts: &["Materials.HAS_TRANSMISSION"],
@@ -46,6 +58,12 @@ pub const TABLE: &[Feature] = &[
         used: |s| any(s, |m| transmits(m) && m.volume.is_some()) || has_model(s, "dielectric"),
         facts: &["Materials.THIN"],
         leaves: &["bsdf/dielectric.rs"],
+    },
+    Feature {
+        name: "thin walls, which do not",
+        used: |s| s.shows_light() && any(s, is_thin_wall),
+        facts: &["Materials.THIN"],
+        leaves: &["bsdf/thin_wall.rs"],
     },
     Feature {
         name: "volumes",

@@ -1,8 +1,9 @@
 //! What a scene uses, asked of the scene.
 
+use glam::Vec3;
 use jerboa_lib_render::host::generate::TracerKind;
 use jerboa_lib_render::host::tables::sharing::MOST_COPIES;
-use jerboa_scenes::{Filter, LightKind, Material, Mesh, Scene, Texture, TextureRef, TextureSource, Wrap};
+use jerboa_scenes::{Clearcoat, Filter, LightKind, Material, Mesh, Scene, Texture, TextureRef, TextureSource, Wrap};
 
 use crate::harness::subjects::Subject;
 
@@ -18,6 +19,40 @@ pub fn transmits(material: &Material) -> bool {
 
 pub fn is_glossy(material: &Material) -> bool {
     material.specular > 0.0 || material.metallic > 0.0 || transmits(material) || has_lobes(material)
+}
+
+/// Whether a lobe of this roughness is rough anywhere, and whether it is smooth anywhere.
+fn is_rough_or_smooth(roughness: f32, is_textured: bool) -> (bool, bool) {
+    /// Width of the narrowest lobe that is not a mirror's.
+    const NARROWEST: f32 = 1e-3;
+    let is_rough = roughness * roughness >= NARROWEST;
+    (is_rough, !is_rough || is_textured)
+}
+
+/// Those of its facets that glTF's code is for, without a coat's: rough ones, and smooth ones.
+fn facets(m: &Material) -> (bool, bool) {
+    let is_gltf = m.model.as_ref().is_none_or(|model| model.name == "dielectric");
+    let is_facetted = m.specular > 0.0 || m.metallic > 0.0 || transmits(m) || m.model.is_some();
+    let (rough, smooth) = is_rough_or_smooth(m.roughness, m.metallic_roughness_texture.is_some());
+    let (rough, smooth) = if m.anisotropy.is_some() { (true, false) } else { (rough, smooth) };
+    (is_gltf && is_facetted && rough, is_gltf && is_facetted && smooth)
+}
+
+pub fn has_smooth_facets(m: &Material) -> bool {
+    facets(m).1
+}
+
+/// By glTF's model, another one or a coat.
+pub fn has_rough_facets(m: &Material) -> bool {
+    let is_glossy = m.model.as_ref().is_some_and(|model| ["plastic", "conductor"].contains(&&*model.name));
+    let is_coated = |coat: &Clearcoat| is_rough_or_smooth(coat.roughness, coat.roughness_texture.is_some()).0;
+    facets(m).0 || is_glossy && is_rough_or_smooth(m.roughness, false).0 || m.clearcoat.as_ref().is_some_and(is_coated)
+}
+
+/// Does light come through that has no inside to come to?
+pub fn is_thin_wall(m: &Material) -> bool {
+    let passes = transmits(m) || m.model.as_ref().is_some_and(|model| model.name == "dielectric");
+    passes && m.volume.as_ref().is_none_or(|v| v.thickness == 0.0)
 }
 
 /// Has it a lobe or a layer of an extension?
@@ -142,6 +177,46 @@ fn shining_triangles(scene: &Scene) -> usize {
 pub fn light_shapes(subject: &Subject) -> usize {
     let scene = &subject.scene;
     shining_triangles(scene) + scene.lights.len() + usize::from(scene.environment.is_some())
+}
+
+/// How many triangles shine by themselves, and how many pairs of neighbours do as one parallelogram.
+fn lamps(mesh: &Mesh) -> [usize; 2] {
+    let corners = |t: &[u32; 3]| t.map(|i| mesh.positions[i as usize]);
+    let [mut alone, mut pairs] = [0; 2];
+    let mut rest = &mesh.triangles[..];
+    while let [first, others @ ..] = rest {
+        let is_pair = others.first().is_some_and(|second| form_parallelogram(corners(first), corners(second)));
+        *(if is_pair { &mut pairs } else { &mut alone }) += 1;
+        rest = &others[usize::from(is_pair)..];
+    }
+    [alone, pairs]
+}
+
+/// Do both go through one edge, each the other way, and are the corners opposite to it where those of a parallelogram are?
+fn form_parallelogram(t: [Vec3; 3], s: [Vec3; 3]) -> bool {
+    let at = |t: [Vec3; 3], i: usize| t[i % 3];
+    let fits = |i: usize, j: usize| {
+        let shares = at(t, i + 1) == at(s, j + 2) && at(t, i + 2) == at(s, j + 1);
+        let middles = (at(t, i + 1) + at(t, i + 2)).distance(at(t, i) + at(s, j));
+        shares && middles <= 1e-5 * at(t, i).distance(at(s, j))
+    };
+    (0..9).any(|k| fits(k / 3, k % 3))
+}
+
+fn shines(subject: &Subject, is: impl Fn([usize; 2]) -> bool) -> bool {
+    let scene = &subject.scene;
+    let shining = |mesh: &&Mesh| scene.materials[mesh.material].is_emissive();
+    scene.instances.iter().map(|i| &scene.meshes[i.mesh]).filter(shining).any(|mesh| is(lamps(mesh)))
+}
+
+/// Does a triangle shine by itself?
+pub fn has_triangle_lights(subject: &Subject) -> bool {
+    shines(subject, |[alone, _]| alone > 0)
+}
+
+/// Do two triangles shine as one parallelogram?
+pub fn has_quad_lights(subject: &Subject) -> bool {
+    shines(subject, |[_, pairs]| pairs > 0)
 }
 
 /// Those of them that have a place.
