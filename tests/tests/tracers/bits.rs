@@ -154,9 +154,14 @@ fn no_built_in_scene_drops_a_sample() {
     for name in builtin::list().iter().map(|b| b.name).filter(|name| all || QUICK.contains(name)) {
         let scene = load(name);
         let camera = scene.camera_or_default();
-        // Paths from lights end in pinholes only.
+        // Paths from lights end in pinholes only, and those from both sides do not know lights with a size.
         let is_pinhole = matches!(camera.lens, Lens::Pinhole { .. });
-        for tracer in ALL.into_iter().filter(|tracer| is_pinhole || !tracer.is_splatting()) {
+        let is_sized = |kind| matches!(kind, LightKind::Sphere { .. } | LightKind::Disk { .. } | LightKind::Sun { .. });
+        let has_sized = scene.lights.iter().any(|light| is_sized(light.kind));
+        let is_refused = |tracer: TracerKind| {
+            tracer.is_splatting() && !is_pinhole || tracer == TracerKind::Bidirectional && has_sized
+        };
+        for tracer in ALL.into_iter().filter(|tracer| !is_refused(*tracer)) {
             let seen = image(&renderer(&scene, tracer, Choices::default()), &camera, [24, 16], 4, 22);
             let bad = seen.pixels.iter().filter(|p| !p.iter().all(|c| c.is_finite() && *c >= 0.0)).count();
             assert_eq!(bad, 0, "{name}, {}: {bad} pixels are no light", tracer.kernel());
