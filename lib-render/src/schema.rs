@@ -6,6 +6,7 @@
 
 mod environment;
 mod geometry;
+mod learned;
 mod lights;
 mod materials;
 mod streams;
@@ -16,6 +17,7 @@ use jerboa_ir::table;
 
 pub use environment::*;
 pub use geometry::*;
+pub use learned::*;
 pub use lights::*;
 pub use materials::*;
 pub use streams::*;
@@ -38,6 +40,8 @@ table! {
     pub classed Settings {
         /// May roulette end paths?
         ROULETTE: Bool, structure;
+        /// Does it learn from the first samples what paths are worth?
+        LEARNS: Bool, structure;
         /// Is the number of path edges limited?
         DEPTH_LIMITED: Bool, structure;
         /// Shading normals: consistent (a closed mesh never leaks) or free.
@@ -197,6 +201,9 @@ pub const BUFFERS: &[Spec] = &[
     spec::<LightVertices>(),
     spec::<Sampling>(),
     spec::<SeenLights>(),
+    spec::<LearnedGrid>(),
+    spec::<LearnedLight>(),
+    spec::<LearnedPixels>(),
 ];
 
 /// Declare every buffer in the program that is being built.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use jerboa_scenes::{Camera, Environment, Limits, Scene, Selection, Sky};
 
 use super::args::{
-    DeviceArg, KnownArg, RenderArgs, SamplerArg, SamplingArgs, SelectArgs, ShadingNormalsArg, TraversalArg,
+    DeviceArg, KnownArg, RenderArgs, RouletteArg, SamplerArg, SamplingArgs, SelectArgs, ShadingNormalsArg, TraversalArg,
 };
 use super::goal::Goal;
 use crate::host::device::{DeviceKind, Traversal};
@@ -154,6 +154,7 @@ pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
         max_depth: args.max_depth,
         rr_depth: Some(args.rr_depth),
         rr_cap: args.rr_cap,
+        learned_roulette: learns(&args.sampling),
         consistent_normals: args.shading_normals == ShadingNormalsArg::Consistent,
         ray_offset: args.ray_offset,
         occlusion_distance: args.shown.ao_distance.unwrap_or(f32::INFINITY),
@@ -167,7 +168,11 @@ pub fn choices(args: &RenderArgs, camera: &Camera) -> Choices {
 
 /// The choices of a command that has words for sampling alone: those of `jerboa render` without other words.
 pub fn choices_of(sampling: &SamplingArgs) -> Choices {
-    Choices { sampler: sampler(sampling, false), ..Choices::default() }
+    Choices { sampler: sampler(sampling, false), learned_roulette: learns(sampling), ..Choices::default() }
+}
+
+fn learns(args: &SamplingArgs) -> bool {
+    args.roulette == RouletteArg::Learned
 }
 
 /// The sampler that is asked for. Where nothing is said of sequences there is one, or as many as it takes for an image that is to

@@ -14,6 +14,7 @@ use jerboa_scenes::{Material, Scene, TextureSource};
 use super::clock::thread_time;
 use super::error::Error;
 use super::generate::{Generated, Request, generate};
+use super::learn::lessons::Lessons;
 use super::renderer::{Device, Options, Renderer, check_tracer};
 use super::tables::models::check_models;
 use super::tables::{Change, Tables};
@@ -95,7 +96,10 @@ impl Renderer {
         let device = Device::new(kernels, &self.options);
         let compiled = made.iter().filter(|k| k.codegen_time > Duration::ZERO).map(|k| k.name.clone()).collect();
         let kernels = made.into_iter().map(|k| k.name.clone()).collect();
-        Ok((Renderer { tables, device, ..*self }, Edit { kernels, compiled, time: start.elapsed(), work }))
+        Ok((
+            Renderer { tables, device, lessons: Lessons::default(), ..*self },
+            Edit { kernels, compiled, time: start.elapsed(), work },
+        ))
     }
 
     /// The renderer for changed tables on a GPU: no kernel is kept.
@@ -105,7 +109,7 @@ impl Renderer {
         let kernels: Vec<String> = requests.into_iter().map(|r| r.name).collect();
         let work = work + specialize_time + codegen_time;
         let edit = Edit { compiled: kernels.clone(), kernels, time: start.elapsed(), work };
-        Ok((Renderer { tables, device, ..*self }, edit))
+        Ok((Renderer { tables, device, lessons: Lessons::default(), ..*self }, edit))
     }
 
     /// How far a change of a part reaches.

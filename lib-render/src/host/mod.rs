@@ -19,6 +19,7 @@
 //! * [`stability`]: the gallery of hard cases, rendered and compared with what is right,
 //! * [`sheet`]: pictures in rows, with their names,
 //! * [`renderer`], [`edit`], [`session`]: a scene made into kernels and rendered, changed, changed while it is rendered,
+//! * [`learn`]: what the first samples teach about light,
 //! * [`library`]: components, a user's among them, and their generic programs,
 //! * [`gpu`]: the devices on a GPU,
 //! * [`rays`]: raw tracing, in rays per second,
@@ -41,6 +42,7 @@ pub mod stages;
 pub mod wave;
 pub mod ahead;
 pub mod work;
+pub mod learn;
 pub mod renderer;
 pub mod edit;
 pub mod session;

@@ -13,6 +13,8 @@ use super::error::Error;
 use super::film::{Film, Window};
 use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
 use super::gpu::{self, RealMachine, Schedule};
+use super::learn::Learner;
+use super::learn::lessons::{Lessons, check as check_learning};
 use super::library::Library;
 use super::scalar;
 use super::splats;
@@ -80,6 +82,8 @@ pub struct Renderer {
     pub(super) options: Options,
     pub(super) tables: Tables,
     pub(super) device: Device,
+    /// What renders have taught, where it learns.
+    pub(super) lessons: Lessons,
     /// Wall time of laying the scene out, without the tree.
     pub tables_time: Duration,
     /// Wall time of specialisation, and of waiting for the generic program where this is the first renderer of the process.
@@ -157,7 +161,7 @@ pub struct Render {
 /// Watches a render from another thread, and can end it.
 #[derive(Debug, Default)]
 pub struct Handle {
-    cancelled: AtomicBool,
+    cancelled: Arc<AtomicBool>,
     done: AtomicU64,
 }
 
@@ -170,6 +174,11 @@ impl Handle {
     /// Was it asked to end?
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// One for work that is not counted; it ends with this one.
+    pub(super) fn unheard(&self) -> Handle {
+        Handle { cancelled: self.cancelled.clone(), done: AtomicU64::new(0) }
     }
 
     /// So many samples more are finished.
@@ -225,6 +234,7 @@ impl Renderer {
             DeviceKind::Cpu => options.traversal,
             _ => Traversal::Ir,
         };
+        check_learning(&options)?;
         let whole_sky = options.choices.whole_sky || options.tracer.may_start_at_lights();
         let options = Options { choices: Choices { whole_sky, ..options.choices }, ..options };
         let lay_out = || (Tables::of(library, scene, &options.choices, options.known, traversal), Instant::now());
@@ -234,7 +244,8 @@ impl Renderer {
         let waited = laid_out.elapsed();
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
         let specialize_time = waited + specialize_time;
-        Ok(Renderer { options, tables, device, tables_time, specialize_time, codegen_time })
+        let lessons = Lessons::default();
+        Ok(Renderer { options, tables, device, lessons, tables_time, specialize_time, codegen_time })
     }
 
     /// A renderer of the same scene that shows something else. Tables are shared.
@@ -246,7 +257,8 @@ impl Renderer {
         let tables = self.tables.clone();
         tables.library.check_tracer(tracer)?;
         let (device, specialize_time, codegen_time) = Device::made(&tables, &options)?;
-        Ok(Renderer { options, tables, device, tables_time: Duration::ZERO, specialize_time, codegen_time })
+        let lessons = Lessons::default();
+        Ok(Renderer { options, tables, device, lessons, tables_time: Duration::ZERO, specialize_time, codegen_time })
     }
 
     /// The scene's tables.
@@ -310,7 +322,7 @@ impl Renderer {
         while first < job.spp && !handle.is_cancelled() {
             let samples = first.clamp(1, at_once).min(job.spp - first);
             let pass = Pass { size, window, sample: job.sample + first, samples, seed: job.seed };
-            let (complete, [closest, shadow]) = self.pass(camera, film, pass, handle)?;
+            let (complete, [closest, shadow]) = self.learning(camera, film, pass, handle)?;
             stats.closest_rays += closest;
             stats.shadow_rays += shadow;
             first += samples;
@@ -339,6 +351,19 @@ impl Renderer {
         pass: Pass,
         handle: &Handle,
     ) -> Result<(bool, [u64; 2]), Error> {
+        self.pass_with(&self.tables, None, camera, film, pass, handle)
+    }
+
+    /// Likewise, by these tables, and watched by that learner.
+    pub(super) fn pass_with(
+        &self,
+        tables: &Tables,
+        learner: Option<Arc<Learner>>,
+        camera: &Camera,
+        film: &mut Film,
+        pass: Pass,
+        handle: &Handle,
+    ) -> Result<(bool, [u64; 2]), Error> {
         self.tables.camera.check(camera)?;
         if let Device::Gpu(device) = &self.device {
             let frame = frame(camera, self.tables.place(camera), &pass).words;
@@ -349,10 +374,11 @@ impl Renderer {
             return splats::pass(kernel, &self.tables, camera, film, pass, self.options.cut.tile, handle);
         }
         let tiles = Tiles::new(camera, self.tables.place(camera), pass, self.options.cut.tile, film, handle);
+        let tiles = tiles.teaching(learner);
         (0..rayon::current_num_threads())
             .into_par_iter()
             .with_max_len(1)
-            .try_for_each(|_| self.run(&mut tiles.worker()))?;
+            .try_for_each(|_| self.run(tables, &mut tiles.worker()))?;
         Ok((tiles.is_complete(), tiles.rays()))
     }
 
@@ -369,15 +395,15 @@ impl Renderer {
             scalar::run(kernel, &self.tables, &mut work, &mut all)?;
             return Ok(work.words);
         }
-        self.run(&mut work)?;
+        self.run(&self.tables, &mut work)?;
         Ok(work.words)
     }
 
     /// Do some work on this thread.
-    fn run(&self, work: &mut impl Work) -> Result<(), Error> {
+    fn run(&self, tables: &Tables, work: &mut impl Work) -> Result<(), Error> {
         match &self.device {
-            Device::Cpu(wave) => wave.run(&self.tables, work),
-            Device::CpuScalar(kernel) => scalar::run(kernel, &self.tables, work, &mut []),
+            Device::Cpu(wave) => wave.run(tables, work),
+            Device::CpuScalar(kernel) => scalar::run(kernel, tables, work, &mut []),
             Device::Gpu(_) => Err(Error::new("a GPU leaves sums of pixels, no samples: ask a device of the CPU")),
         }
     }

@@ -15,6 +15,7 @@ use super::ahead::{Ahead, Needs, PATHS};
 use super::dispatch::{call, tables_bound};
 use super::error::Error;
 use super::generate::Generated;
+use super::learn::watch::Watch;
 use super::native::{Walkers, Wanted, streams};
 use super::stages::{Clock, Stage, Stages};
 use super::tables::Tables;
@@ -78,12 +79,16 @@ impl Wave {
         let streams = idle().pop().unwrap_or_else(|| Streams::new(self.slots as usize));
         let mut thread =
             Thread { wave: self, clock, tables, bindings: tables_bound(tables), streams, rows: 0, begun: 0, live: 0 };
+        let mut watch = work.learner().map(Watch::new);
         while !work.is_cancelled() {
             thread.refill(work)?;
             if thread.live == 0 {
                 break;
             }
             thread.wave()?;
+            if let Some(watch) = &mut watch {
+                watch.look(&thread.streams.next, thread.live as usize);
+            }
             thread.retire(work);
         }
         idle().push(thread.streams);

@@ -4,12 +4,13 @@
 //! items, traces them in any order and gives each back under its number; so it knows nothing of films and tiles.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use jerboa_ir::lang::Buf;
 use jerboa_scenes::Camera;
 
 use super::film::{Film, Window};
+use super::learn::Learner;
 use super::renderer::Handle;
 use super::tables::{Pass, Place, frame};
 use crate::schema::Samples;
@@ -36,6 +37,11 @@ pub trait Work {
 
     /// An item's sample.
     fn done(&mut self, number: u32, sample: Sample);
+
+    /// Who learns from the paths, if anyone does.
+    fn learner(&self) -> Option<Arc<Learner>> {
+        None
+    }
 
     /// Should the device leave what it has begun?
     fn is_cancelled(&self) -> bool {
@@ -88,6 +94,7 @@ pub struct Tiles<'a> {
     groups: u32,
     film: Mutex<&'a mut Film>,
     handle: &'a Handle,
+    learner: Option<Arc<Learner>>,
     complete: AtomicUsize,
     closest: AtomicU64,
     shadow: AtomicU64,
@@ -118,10 +125,17 @@ impl<'a> Tiles<'a> {
             groups: film.groups(),
             film: Mutex::new(film),
             handle,
+            learner: None,
             complete: AtomicUsize::new(0),
             closest: AtomicU64::new(0),
             shadow: AtomicU64::new(0),
         }
+    }
+
+    /// The same, from which this one learns.
+    #[must_use]
+    pub fn teaching(self, learner: Option<Arc<Learner>>) -> Self {
+        Tiles { learner, ..self }
     }
 
     /// The work of one thread.
@@ -217,7 +231,11 @@ impl Work for Worker<'_, '_> {
         let (window, pixel) = (tile.pass.window, item / tile.pass.samples);
         let sample = tile.pass.sample + item % tile.pass.samples;
         let at = [window.x + pixel % window.width, window.y + pixel / window.width];
-        tile.film.add_sample(at, sample, [r, g, b].map(f32::from_bits));
+        let light = [r, g, b].map(f32::from_bits);
+        tile.film.add_sample(at, sample, light);
+        if let Some(learner) = &self.tiles.learner {
+            learner.add_sample(at, light, closest + shadow);
+        }
         tile.closest += u64::from(closest);
         tile.shadow += u64::from(shadow);
         tile.left -= 1;
@@ -226,6 +244,10 @@ impl Work for Worker<'_, '_> {
         {
             self.tiles.merge(&tile);
         }
+    }
+
+    fn learner(&self) -> Option<Arc<Learner>> {
+        self.tiles.learner.clone()
     }
 
     fn is_cancelled(&self) -> bool {

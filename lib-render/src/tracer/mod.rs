@@ -17,6 +17,7 @@
 pub mod path;
 pub mod absorption;
 pub mod roulette;
+pub mod learned;
 pub mod unlit;
 pub mod debug;
 pub mod aov;
@@ -37,6 +38,7 @@ use crate::geometry::{Frame3, SurfaceElement};
 use crate::material::Material;
 use crate::ray::{Hit, Ray};
 use crate::schema::{Frame, Settings};
+use crate::tracer::learned::pixel_scale;
 
 /// What a path carries from vertex to vertex.
 #[derive(Clone, Copy)]
@@ -47,7 +49,8 @@ pub struct RayState {
     pub vertex: U32,
     /// Product of the weights so far.
     pub throughput: Color,
-    /// Product of the radiance scales of refraction in `throughput` (N22).
+    /// Product of the radiance scales of refraction in `throughput` (N22); what is left without them tells roulette what the path is
+    /// worth, so it begins with what light counts in the pixel.
     pub radiance_scale: F32,
     /// Density per steradian with which the last BSDF sampled this ray.
     pub pdf_dir: F32,
@@ -108,7 +111,7 @@ pub fn first_ray(b: &mut Block, camera: CameraFn, x: U32, y: U32, sample: U32) -
         rng,
         vertex: 1.into(),
         throughput: white(),
-        radiance_scale: 1.0.into(),
+        radiance_scale: pixel_scale(b, pixel),
         pdf_dir: 0.0.into(),
         is_specular: true.into(),
         absorption: settings().get(Settings::HAS_VOLUMES).select(around, black()),

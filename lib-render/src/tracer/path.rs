@@ -20,7 +20,7 @@ use crate::mis::power_heuristic;
 use crate::ray::{Hit, Ray};
 use crate::schema::Settings;
 use crate::tracer::absorption::{absorption_along, arriving, from_afar, reaching};
-use crate::tracer::roulette::survival;
+use crate::tracer::roulette::survival_towards;
 use crate::tracer::unlit::shown;
 use crate::tracer::{OnBounceFn, OnHitFn, OnMissFn, OnShadowFn, RayState, Tracer, first_ray, settings};
 
@@ -80,7 +80,7 @@ pub(super) fn scatter(
     let throughput = arriving(b, state, hit).absorb(sample.weight);
     b.when(throughput.is_black(), |b| end.take(b, ()));
     let radiance_scale = state.radiance_scale * sample.radiance_scale;
-    let survival = survival(b, state.vertex, throughput / radiance_scale);
+    let survival = survival_towards(b, state.vertex, throughput / radiance_scale, surf.point, sample.wi);
     let (u, _) = state.rng.vertex(state.vertex, DIM_ROULETTE).next();
     b.when(u.ge(survival), |b| end.take(b, ()));
     let state = RayState {

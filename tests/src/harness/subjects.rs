@@ -109,6 +109,8 @@ pub fn subjects() -> Vec<Subject> {
     ] {
         all.push(Subject::of(&room).choosing(what, choices));
     }
+    let learning = Choices { learned_roulette: true, ..plain() };
+    all.push(Subject::new(&room, DeviceKind::Cpu, TracerKind::Path).choosing("with learned roulette", learning));
     let fixed = Choices { consistent_normals: false, sampler: SamplerKind::SOBOL, ..plain() };
     all.extend(
         ["alpha", "layered"].map(|name| Subject::of(&load(name)).choosing("with free normals, by Sobol points", fixed)),

@@ -3,13 +3,14 @@
 //!
 //! * [`agreement`]: they agree with the path tracer (T13), and [`pieces`]: on each piece of the library too,
 //! * [`lenses`]: what lenses show agrees with what pinholes do (T13),
-//! * [`roulette`]: what roulette costs (T16),
+//! * [`roulette`]: what roulette costs (T16), and [`learned`]: that by what was learned (T13, T21),
 //! * [`closed`]: closed forms (T4, T16), with and without what absorbs, and nothing through a closed wall (T19),
 //! * [`bits`]: what changes no bit (T21), and that every sample of the built-in scenes is a number (T22).
 
 mod agreement;
 mod bits;
 mod closed;
+mod learned;
 mod lenses;
 mod pieces;
 mod roulette;

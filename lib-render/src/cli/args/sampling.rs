@@ -1,10 +1,10 @@
-//! Words of every command that makes a renderer: how its random numbers are drawn. So what is dumped, explained, timed and traced is
-//! what is rendered.
+//! Words of every command that makes a renderer: how its random numbers are drawn, and how paths end. So what is dumped, explained,
+//! timed and traced is what is rendered.
 
-use super::values::{SamplerArg, power_of_two};
+use super::values::{RouletteArg, SamplerArg, power_of_two};
 use clap::Args;
 
-/// How random numbers are drawn.
+/// How random numbers are drawn, and how paths end.
 #[derive(Clone, Debug, Default, Args)]
 pub struct SamplingArgs {
     /// How random numbers are drawn
@@ -14,4 +14,7 @@ pub struct SamplingArgs {
     /// image tells it [default: 1; 8 where `jerboa render` is asked for --noise or --variance]
     #[arg(long, value_name = "N", value_parser = power_of_two)]
     pub scrambles: Option<u32>,
+    /// What Russian roulette ends paths by
+    #[arg(long, value_name = "BY", value_enum, default_value_t)]
+    pub roulette: RouletteArg,
 }

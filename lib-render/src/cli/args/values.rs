@@ -50,6 +50,17 @@ pub enum SamplerArg {
     Sobol,
 }
 
+/// What Russian roulette ends paths by (the image is the same on average).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum RouletteArg {
+    /// By what of the light that is found would still arrive
+    #[default]
+    Throughput,
+    /// By the light that there is still to be found, as the first 16 samples of each pixel tell: by the tracer `path` on the
+    /// device `cpu` alone
+    Learned,
+}
+
 /// How shading normals may differ from the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ShadingNormalsArg {

@@ -47,6 +47,7 @@ use tree::SceneTree;
 use crate::host::bvh::{Bounds, Dropped};
 use crate::host::device::Traversal;
 use crate::host::film::Window;
+use crate::host::learn::Learned;
 use crate::host::library::Library;
 use crate::host::native::Native;
 use crate::schema::{self, *};
@@ -60,6 +61,9 @@ pub struct Choices {
     pub rr_depth: Option<u32>,
     /// Largest survival probability, in (0, 1].
     pub rr_cap: f32,
+    /// Roulette by what the first samples of a render teach about its light; these go by throughput. Only the path tracer on
+    /// [`DeviceKind::Cpu`](crate::host::device::DeviceKind::Cpu) learns.
+    pub learned_roulette: bool,
     /// Shading normals that never let a closed mesh leak, or those of the references.
     pub consistent_normals: bool,
     /// How far rays are moved off surfaces beside the bound on rounding: this times (1 m + the largest coordinate), as
@@ -93,6 +97,7 @@ impl Default for Choices {
             max_depth: None,
             rr_depth: Some(3),
             rr_cap: 1.0,
+            learned_roulette: false,
             consistent_normals: true,
             ray_offset: 0.0,
             occlusion_distance: f32::INFINITY,
@@ -230,6 +235,9 @@ impl Tables {
         let camera = choices.camera.unwrap_or_else(|| CameraKind::of_scene(scene));
         put(binding::<Settings>(), settings(scene, choices, camera, lights.counts, instance_count));
         put(binding::<Sampling>(), choices.sampler.row());
+        put(binding::<LearnedGrid>(), Table::<LearnedGrid>::new().finish());
+        put(binding::<LearnedLight>(), Table::<LearnedLight>::new().finish());
+        put(binding::<LearnedPixels>(), Table::<LearnedPixels>::new().finish());
         // A pass brings its own; until then the table has its one row.
         put(binding::<Frame>(), Table::<Frame>::new().finish());
 
@@ -255,6 +263,15 @@ impl Tables {
             media: Arc::new(media),
             library: library.clone(),
         }
+    }
+
+    /// The same scene, with what was learned of its light.
+    pub fn with_learned(&self, learned: Learned) -> Tables {
+        let mut tables = self.clone();
+        for (binding, memory) in learned.tables() {
+            tables.memory[binding] = Arc::new(memory);
+        }
+        tables
     }
 
     /// The same scene after a change of materials, textures or lights. What has not changed is shared.
@@ -349,6 +366,7 @@ fn settings(scene: &Scene, choices: &Choices, camera: CameraKind, lights: Counts
     table
         .push()
         .set(S::ROULETTE, choices.rr_depth.is_some())
+        .set(S::LEARNS, choices.rr_depth.is_some() && choices.learned_roulette)
         .set(S::RR_DEPTH, choices.rr_depth.unwrap_or(u32::MAX))
         .set(S::RR_CAP, choices.rr_cap)
         .set(S::DEPTH_LIMITED, choices.max_depth.is_some())

@@ -63,6 +63,12 @@ pub const TABLE: &[Feature] = &[
         leaves: &["Settings.RR_DEPTH", "Settings.RR_CAP", "tracer/roulette.rs"],
     },
     Feature {
+        name: "roulette by what was learned",
+        used: |s| s.choices.learned_roulette,
+        facts: &["Settings.LEARNS"],
+        leaves: &["LearnedGrid.", "LearnedLight.", "LearnedPixels.", "tracer/learned.rs"],
+    },
+    Feature {
         name: "an offset of rays",
         used: |s| s.choices.ray_offset > 0.0,
         facts: &["Settings.HAS_RAY_OFFSET"],
