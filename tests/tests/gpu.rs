@@ -8,6 +8,7 @@ use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::generate::{Keep, TracerKind, residuals};
 use jerboa_lib_render::host::gpu::emit;
+use jerboa_lib_render::host::learn::LESSONS;
 use jerboa_lib_render::host::renderer::{Options, Renderer, Stats};
 use jerboa_lib_render::host::tables::{Choices, Known, SamplerKind, Tables};
 use jerboa_scenes::Scene;
@@ -45,10 +46,9 @@ fn load(name: &str) -> Scene {
 }
 
 /// Film and counts of a device.
-fn render(scene: &Scene, device: DeviceKind, sampler: SamplerKind) -> (Film, Stats) {
+fn render(scene: &Scene, device: DeviceKind, choices: Choices, spp: u32) -> (Film, Stats) {
     let mut film = Film::of_size([SIDE, SIDE]);
-    let choices = Choices { sampler, ..Choices::default() };
-    let stats = Renderer::new(scene, Options { device, choices, spp: SPP, seed: 7, ..Options::default() })
+    let stats = Renderer::new(scene, Options { device, choices, spp, seed: 7, ..Options::default() })
         .and_then(|renderer| renderer.render(&scene.camera_or_default(), &mut film))
         .unwrap_or_else(|e| panic!("{}, {device:?}: {e}", scene.name));
     (film, stats)
@@ -56,9 +56,13 @@ fn render(scene: &Scene, device: DeviceKind, sampler: SamplerKind) -> (Film, Sta
 
 /// Both GPU devices leave the film of the CPU device.
 fn films_are_the_same(scene: &Scene, sampler: SamplerKind) {
-    let (right, expected) = render(scene, DeviceKind::Cpu, sampler);
+    those_are_the_same(scene, Choices { sampler, ..Choices::default() }, SPP);
+}
+
+fn those_are_the_same(scene: &Scene, choices: Choices, spp: u32) {
+    let (right, expected) = render(scene, DeviceKind::Cpu, choices, spp);
     for device in GPUS {
-        let (film, stats) = render(scene, device, sampler);
+        let (film, stats) = render(scene, device, choices, spp);
         let rays = |stats: &Stats| [stats.closest_rays, stats.shadow_rays];
         println!("{}, {device:?}: {:?} rays in {:.2?}", scene.name, rays(&stats), stats.time);
         assert_eq!(rays(&stats), rays(&expected), "{}, {device:?}: rays", scene.name);
@@ -91,6 +95,16 @@ fn films_of_sobol_points_are_those_of_the_cpu() {
         return;
     }
     films_are_the_same(&load("builtin:cornell-box"), SamplerKind::SOBOL);
+}
+
+/// The CPU learns for a GPU, whose tables are then others.
+#[test]
+fn films_led_by_what_was_learned_are_those_of_the_cpu() {
+    if gpu("films_led_by_what_was_learned_are_those_of_the_cpu").is_none() {
+        return;
+    }
+    let choices = Choices { learned_roulette: true, ..Choices::default() };
+    those_are_the_same(&load("builtin:cornell-box"), choices, LESSONS + SPP);
 }
 
 #[test]

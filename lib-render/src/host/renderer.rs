@@ -14,7 +14,7 @@ use super::film::{Film, Window};
 use super::generate::{Generated, Keep, Kernels, TracerKind, generate};
 use super::gpu::{self, RealMachine, Schedule};
 use super::learn::Learner;
-use super::learn::lessons::{Lessons, check as check_learning};
+use super::learn::lessons::Lessons;
 use super::library::Library;
 use super::scalar;
 use super::splats;
@@ -205,6 +205,14 @@ pub struct Stats {
     pub time: Duration,
 }
 
+/// What a pass is made with.
+pub(super) struct With<'a> {
+    pub tables: &'a Tables,
+    pub device: &'a Device,
+    /// Who watches its paths, if anyone does.
+    pub learner: Option<Arc<Learner>>,
+}
+
 /// What looks at a film after each pass, see [`Renderer::render_on`].
 pub type After<'a> = dyn FnMut(&Film, u32) -> Result<ControlFlow<()>, Error> + 'a;
 
@@ -234,9 +242,9 @@ impl Renderer {
             DeviceKind::Cpu => options.traversal,
             _ => Traversal::Ir,
         };
-        check_learning(&options)?;
         let whole_sky = options.choices.whole_sky || options.tracer.may_start_at_lights();
-        let options = Options { choices: Choices { whole_sky, ..options.choices }, ..options };
+        let learned_roulette = options.choices.learned_roulette && options.tracer == TracerKind::Path;
+        let options = Options { choices: Choices { whole_sky, learned_roulette, ..options.choices }, ..options };
         let lay_out = || (Tables::of(library, scene, &options.choices, options.known, traversal), Instant::now());
         // The generic program is made once in a process, and no scene is needed for it.
         let ((tables, laid_out), _) = rayon::join(lay_out, || _ = library.generic(options.device, options.tracer));
@@ -351,26 +359,26 @@ impl Renderer {
         pass: Pass,
         handle: &Handle,
     ) -> Result<(bool, [u64; 2]), Error> {
-        self.pass_with(&self.tables, None, camera, film, pass, handle)
+        let with = With { tables: &self.tables, device: &self.device, learner: None };
+        self.pass_with(with, camera, film, pass, handle)
     }
 
-    /// Likewise, by these tables, and watched by that learner.
+    /// Likewise, with these.
     pub(super) fn pass_with(
         &self,
-        tables: &Tables,
-        learner: Option<Arc<Learner>>,
+        With { tables, device, learner }: With<'_>,
         camera: &Camera,
         film: &mut Film,
         pass: Pass,
         handle: &Handle,
     ) -> Result<(bool, [u64; 2]), Error> {
         self.tables.camera.check(camera)?;
-        if let Device::Gpu(device) = &self.device {
+        if let Device::Gpu(device) = device {
             let frame = frame(camera, self.tables.place(camera), &pass).words;
             let mut device = device.lock().unwrap_or_else(PoisonError::into_inner);
             return device.pass(film, &pass, &frame, handle);
         }
-        if let (Device::CpuScalar(kernel), true) = (&self.device, self.options.tracer.is_splatting()) {
+        if let (Device::CpuScalar(kernel), true) = (device, self.options.tracer.is_splatting()) {
             return splats::pass(kernel, &self.tables, camera, film, pass, self.options.cut.tile, handle);
         }
         let tiles = Tiles::new(camera, self.tables.place(camera), pass, self.options.cut.tile, film, handle);
@@ -378,7 +386,7 @@ impl Renderer {
         (0..rayon::current_num_threads())
             .into_par_iter()
             .with_max_len(1)
-            .try_for_each(|_| self.run(tables, &mut tiles.worker()))?;
+            .try_for_each(|_| run(device, tables, &mut tiles.worker()))?;
         Ok((tiles.is_complete(), tiles.rays()))
     }
 
@@ -395,16 +403,16 @@ impl Renderer {
             scalar::run(kernel, &self.tables, &mut work, &mut all)?;
             return Ok(work.words);
         }
-        self.run(&self.tables, &mut work)?;
+        run(&self.device, &self.tables, &mut work)?;
         Ok(work.words)
     }
+}
 
-    /// Do some work on this thread.
-    fn run(&self, tables: &Tables, work: &mut impl Work) -> Result<(), Error> {
-        match &self.device {
-            Device::Cpu(wave) => wave.run(tables, work),
-            Device::CpuScalar(kernel) => scalar::run(kernel, tables, work, &mut []),
-            Device::Gpu(_) => Err(Error::new("a GPU leaves sums of pixels, no samples: ask a device of the CPU")),
-        }
+/// Do some work on this thread.
+fn run(device: &Device, tables: &Tables, work: &mut impl Work) -> Result<(), Error> {
+    match device {
+        Device::Cpu(wave) => wave.run(tables, work),
+        Device::CpuScalar(kernel) => scalar::run(kernel, tables, work, &mut []),
+        Device::Gpu(_) => Err(Error::new("a GPU leaves sums of pixels, no samples: ask a device of the CPU")),
     }
 }

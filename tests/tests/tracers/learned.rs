@@ -67,7 +67,7 @@ fn what_was_learned_saves_rays() {
     assert!((0.7..0.95).contains(&ratio), "{ratio}");
 }
 
-/// Levels of knowledge, threads, tiles, paths in flight, parts by number of sample, windows, and what the renderer did before.
+/// Levels of knowledge, devices (GPUs have a test of their own), threads, tiles, paths in flight, parts by number of sample, windows, and what the renderer did before.
 #[test]
 fn what_was_learned_is_the_same_whoever_learns_it() {
     let scene = load("cornell-box");
@@ -83,10 +83,14 @@ fn what_was_learned_is_the_same_whoever_learns_it() {
         let again = on_threads(threads, || of(&make(cut), whole(size), job(0, 40, 5)));
         assert!(again == expected, "{threads} threads, {cut:?}");
     }
-    for known in [Known::Nothing, Known::All] {
-        let options = Options { choices: learning(), known, ..Options::default() };
+    let plain = Options { choices: learning(), ..Options::default() };
+    for (what, options) in [
+        ("nothing known", Options { known: Known::Nothing, ..plain }),
+        ("all known", Options { known: Known::All, ..plain }),
+        ("path after path", Options { device: DeviceKind::CpuScalar, ..plain }),
+    ] {
         let renderer = Renderer::new(&scene, options).unwrap_or_else(|e| panic!("{e}"));
-        assert!(of(&renderer, whole(size), job(0, 40, 5)) == expected, "{known:?} is known");
+        assert!(of(&renderer, whole(size), job(0, 40, 5)) == expected, "{what}");
     }
     assert!(of(&first, whole(size), job(0, 40, 6)) != expected);
     assert!(of(&first, whole(size), job(0, 40, 5)) == expected, "after another seed");
@@ -139,19 +143,4 @@ fn what_teaches_nothing_renders_as_before() {
         let (a, b) = (mean(&led), mean(&before));
         assert!(a.is_finite() && (a - b).abs() <= 0.2 * b, "{name}: {a} and {b}");
     }
-}
-
-/// An image does not depend on the device, so who cannot learn says so.
-#[test]
-fn who_cannot_learn_refuses() {
-    let scene = load("cornell-box");
-    let fault = |tracer, device| {
-        let options = Options { tracer, device, choices: learning(), ..Options::default() };
-        Renderer::new(&scene, options).err().map(|e| e.to_string())
-    };
-    let refused = "roulette is learned by the path tracer on the device cpu alone: choose --device cpu and --tracer path, or \
-                   --roulette throughput";
-    assert_eq!(fault(TracerKind::Path, DeviceKind::CpuScalar).as_deref(), Some(refused));
-    assert_eq!(fault(TracerKind::Light, DeviceKind::Cpu).as_deref(), Some(refused));
-    assert_eq!(fault(TracerKind::Path, DeviceKind::Cpu), None);
 }

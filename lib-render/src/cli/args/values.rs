@@ -56,8 +56,7 @@ pub enum RouletteArg {
     /// By what of the light that is found would still arrive
     #[default]
     Throughput,
-    /// By the light that there is still to be found, as the first 16 samples of each pixel tell: by the tracer `path` on the
-    /// device `cpu` alone
+    /// By the light that there is still to be found, as the first 16 samples of each pixel tell; for the tracer `path` alone
     Learned,
 }
 

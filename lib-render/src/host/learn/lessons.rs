@@ -9,7 +9,7 @@ use crate::host::device::DeviceKind;
 use crate::host::error::Error;
 use crate::host::film::{Film, Window};
 use crate::host::generate::TracerKind;
-use crate::host::renderer::{Handle, Options, Renderer};
+use crate::host::renderer::{Device, Handle, Options, Renderer, With};
 use crate::host::tables::{Pass, Tables};
 
 /// What is being taught, or was last.
@@ -23,7 +23,14 @@ struct Lesson {
     /// Samples of the whole film that were watched.
     seen: u32,
     /// After the last one.
-    tables: Option<Arc<Tables>>,
+    led: Option<Arc<Led>>,
+}
+
+/// What samples behind the lessons are made with.
+struct Led {
+    tables: Tables,
+    /// Where tables lie within the device: another one. A GPU has both then, each with the whole scene.
+    device: Option<Device>,
 }
 
 /// What the first samples are a function of, beside the scene: camera, size of the film, seed.
@@ -31,20 +38,6 @@ type Key = (Camera, [u32; 2], u32);
 
 /// Whether a pass was completed, and its numbers of rays, closest hit and shadow.
 type Passed = (bool, [u64; 2]);
-
-/// Refuse roulette by what was learned where no one learns.
-///
-/// # Errors
-/// On another device than [`DeviceKind::Cpu`], and for another tracer than the path tracer.
-pub(in crate::host) fn check(options: &Options) -> Result<(), Error> {
-    if options.choices.learned_roulette && (options.device != DeviceKind::Cpu || options.tracer != TracerKind::Path) {
-        return Err(Error::new(
-            "roulette is learned by the path tracer on the device cpu alone: choose --device cpu and --tracer path, or \
-             --roulette throughput",
-        ));
-    }
-    Ok(())
-}
 
 impl Lessons {
     fn lock(&self) -> std::sync::MutexGuard<'_, Option<Lesson>> {
@@ -56,34 +49,17 @@ impl Lessons {
     fn watcher(&self, of: &Key, pass: &Pass) -> Option<Arc<Learner>> {
         let mut lesson = self.lock();
         if pass.sample == 0 {
-            *lesson = Some(Lesson { of: of.clone(), learner: Learner::new(pass.size).into(), seen: 0, tables: None });
+            *lesson = Some(Lesson { of: of.clone(), learner: Learner::new(pass.size).into(), seen: 0, led: None });
         }
         let is_next = |l: &&Lesson| l.of == *of && l.seen == pass.sample && (l.seen > 0 || pass.samples == 1);
         let is_whole = pass.window == whole(pass.size);
         lesson.as_ref().filter(is_next).filter(|_| is_whole).map(|l| l.learner.clone())
     }
 
-    /// A pass was watched to its end.
-    fn seen(&self, of: &Key, pass: &Pass, tables: &Tables) {
-        if let Some(lesson) = self.lock().as_mut().filter(|l| l.of == *of && l.seen == pass.sample) {
-            lesson.seen += pass.samples;
-            lesson.tables = taught(&lesson.learner, lesson.seen, tables);
-        }
+    /// What the lessons of that render led to.
+    fn led(&self, of: &Key) -> Option<Arc<Led>> {
+        self.lock().as_ref().filter(|l| l.of == *of).and_then(|l| l.led.clone())
     }
-
-    /// What was taught.
-    fn tables(&self, of: &Key) -> Option<Arc<Tables>> {
-        self.lock().as_ref().filter(|l| l.of == *of).and_then(|l| l.tables.clone())
-    }
-}
-
-/// After so many samples: the tables with what was learned, once it was all.
-fn taught(learner: &Learner, seen: u32, tables: &Tables) -> Option<Arc<Tables>> {
-    if seen == 1 {
-        learner.first_is_done();
-    }
-    let learned = || learner.learned().map_or_else(|| tables.clone(), |learned| tables.with_learned(learned));
-    (seen == LESSONS).then(|| Arc::new(learned()))
 }
 
 fn whole([width, height]: [u32; 2]) -> Window {
@@ -111,41 +87,76 @@ impl Renderer {
         let (mut complete, mut rays) = (true, [0; 2]);
         if first > 0 {
             let pass = Pass { samples: first, ..pass };
-            let learner = self.lessons.watcher(&of, &pass);
-            let is_watched = learner.is_some();
-            (complete, rays) = self.pass_with(&self.tables, learner, camera, film, pass, handle)?;
-            if complete && is_watched {
-                self.lessons.seen(&of, &pass, &self.tables);
-            }
+            (complete, rays) = self.lesson(&of, film, pass, handle)?;
         }
         if complete && rest.samples > 0 {
-            let tables = match self.lessons.tables(&of) {
-                Some(tables) => tables,
+            let led = match self.lessons.led(&of) {
+                Some(led) => led,
                 None => self.teach(of, handle)?,
             };
-            let (done, more) = self.pass_with(&tables, None, camera, film, rest, handle)?;
+            let device = led.device.as_ref().unwrap_or(&self.device);
+            let with = With { tables: &led.tables, device, learner: None };
+            let (done, more) = self.pass_with(with, camera, film, rest, handle)?;
             (complete, rays) = (done, [rays[0] + more[0], rays[1] + more[1]]);
         }
         Ok((complete, rays))
     }
 
-    /// Make the first samples for what they teach alone.
-    fn teach(&self, of: Key, handle: &Handle) -> Result<Arc<Tables>, Error> {
+    /// Add a pass of first samples, and watch it if it is the next lesson.
+    fn lesson(&self, of: &Key, film: &mut Film, pass: Pass, handle: &Handle) -> Result<Passed, Error> {
+        let can_watch = matches!(self.device, Device::Cpu(_));
+        let learner = can_watch.then(|| self.lessons.watcher(of, &pass)).flatten();
+        let with = With { tables: &self.tables, device: &self.device, learner: learner.clone() };
+        let (complete, rays) = self.pass_with(with, &of.0, film, pass, handle)?;
+        if let (true, Some(learner)) = (complete, learner) {
+            let seen = pass.sample + pass.samples;
+            let led = self.taught(&learner, seen)?;
+            if let Some(lesson) = self.lessons.lock().as_mut().filter(|l| Arc::ptr_eq(&l.learner, &learner)) {
+                (lesson.seen, lesson.led) = (seen, led);
+            }
+        }
+        Ok((complete, rays))
+    }
+
+    /// Make the first samples for what they teach alone, on the CPU.
+    fn teach(&self, of: Key, handle: &Handle) -> Result<Arc<Led>, Error> {
         let (camera, size, seed) = &of;
+        let other = match self.device {
+            Device::Cpu(_) => None,
+            _ => Some(Device::made(&self.tables, &Options { device: DeviceKind::Cpu, ..self.options })?.0),
+        };
+        let device = other.as_ref().unwrap_or(&self.device);
         let mut film = Film::try_crop(*size, whole(*size))?;
         let learner = Arc::new(Learner::new(*size));
-        let mut tables = None;
+        let mut led = None;
         for [sample, end] in [[0, 1], [1, LESSONS]] {
             let pass = Pass { size: *size, window: whole(*size), sample, samples: end - sample, seed: *seed };
-            let (complete, _) =
-                self.pass_with(&self.tables, Some(learner.clone()), camera, &mut film, pass, &handle.unheard())?;
+            let with = With { tables: &self.tables, device, learner: Some(learner.clone()) };
+            let (complete, _) = self.pass_with(with, camera, &mut film, pass, &handle.unheard())?;
             if !complete {
-                return Ok(Arc::new(self.tables.clone()));
+                return Ok(Arc::new(Led { tables: self.tables.clone(), device: None }));
             }
-            tables = taught(&learner, end, &self.tables);
+            led = self.taught(&learner, end)?;
         }
-        let tables = tables.expect("the last lesson was given");
-        *self.lessons.lock() = Some(Lesson { of, learner, seen: LESSONS, tables: Some(tables.clone()) });
-        Ok(tables)
+        let led = led.expect("the last lesson was given");
+        *self.lessons.lock() = Some(Lesson { of, learner, seen: LESSONS, led: Some(led.clone()) });
+        Ok(led)
+    }
+
+    /// After so many samples: what those that follow are made with, once the lessons are over.
+    fn taught(&self, learner: &Learner, seen: u32) -> Result<Option<Arc<Led>>, Error> {
+        if seen == 1 {
+            learner.first_is_done();
+        }
+        if seen < LESSONS {
+            return Ok(None);
+        }
+        let Some(learned) = learner.learned() else {
+            return Ok(Some(Arc::new(Led { tables: self.tables.clone(), device: None })));
+        };
+        let tables = self.tables.with_learned(learned);
+        let has_tables = matches!(self.device, Device::Gpu(_));
+        let device = has_tables.then(|| Device::made(&tables, &self.options)).transpose()?.map(|made| made.0);
+        Ok(Some(Arc::new(Led { tables, device })))
     }
 }

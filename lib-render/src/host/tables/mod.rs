@@ -61,8 +61,8 @@ pub struct Choices {
     pub rr_depth: Option<u32>,
     /// Largest survival probability, in (0, 1].
     pub rr_cap: f32,
-    /// Roulette by what the first samples of a render teach about its light; these go by throughput. Only the path tracer on
-    /// [`DeviceKind::Cpu`](crate::host::device::DeviceKind::Cpu) learns.
+    /// Roulette by what the first samples of a render teach about its light; these go by throughput. Only the path tracer learns: it
+    /// does so on the CPU, whatever the device.
     pub learned_roulette: bool,
     /// Shading normals that never let a closed mesh leak, or those of the references.
     pub consistent_normals: bool,
