@@ -95,6 +95,19 @@ fn what_was_learned_is_the_same_whoever_learns_it() {
     assert!(of(&first, whole(size), job(0, 40, 6)) != expected);
     assert!(of(&first, whole(size), job(0, 40, 5)) == expected, "after another seed");
 
+    // Several at once, of which one at most is watched at a time.
+    let shared = make(Cut::default());
+    let films: Vec<Film> = std::thread::scope(|s| {
+        let threads = [5, 5, 6].map(|seed| {
+            s.spawn({
+                let (of, shared) = (&of, &shared);
+                move || of(shared, whole(size), job(0, 40, seed))
+            })
+        });
+        threads.into_iter().map(|t| t.join().expect("it renders")).collect()
+    });
+    assert!(films[0] == expected && films[1] == expected && films[2] != expected, "at once");
+
     let mut merged = Film::of_size(size);
     for (sample, end) in [(20, 40), (0, 5), (5, 20)] {
         merged.merge(&of(&make(Cut::default()), whole(size), job(sample, end, 5))).expect("the same window");

@@ -1,6 +1,6 @@
 //! Which samples of a render teach, and which are led by what they taught.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use jerboa_scenes::Camera;
 
@@ -19,11 +19,15 @@ pub struct Lessons(Mutex<Option<Lesson>>);
 /// One render's.
 struct Lesson {
     of: Key,
-    learner: Arc<Learner>,
-    /// Samples of the whole film that were watched.
-    seen: u32,
-    /// After the last one.
-    led: Option<Arc<Led>>,
+    stage: Stage,
+}
+
+/// How far it is.
+enum Stage {
+    /// Someone has watched so many samples of the whole film.
+    Watched(Arc<Learner>, u32),
+    /// The lessons are over.
+    Over(Arc<Led>),
 }
 
 /// What samples behind the lessons are made with.
@@ -40,25 +44,37 @@ type Key = (Camera, [u32; 2], u32);
 type Passed = (bool, [u64; 2]);
 
 impl Lessons {
-    fn lock(&self) -> std::sync::MutexGuard<'_, Option<Lesson>> {
+    fn lock(&self) -> MutexGuard<'_, Option<Lesson>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Who watches this pass: one over the whole film, that follows on what was watched, and is the first sample alone or none of
-    /// it.
-    fn watcher(&self, of: &Key, pass: &Pass) -> Option<Arc<Learner>> {
+    /// it. Nobody else has the watcher, until it is given back by [`Lessons::put`].
+    fn take_watcher(&self, of: &Key, pass: &Pass) -> Option<Arc<Learner>> {
         let mut lesson = self.lock();
-        if pass.sample == 0 {
-            *lesson = Some(Lesson { of: of.clone(), learner: Learner::new(pass.size).into(), seen: 0, led: None });
-        }
-        let is_next = |l: &&Lesson| l.of == *of && l.seen == pass.sample && (l.seen > 0 || pass.samples == 1);
-        let is_whole = pass.window == whole(pass.size);
-        lesson.as_ref().filter(is_next).filter(|_| is_whole).map(|l| l.learner.clone())
+        let is_next = |seen: u32| seen == pass.sample && (seen > 0 || pass.samples == 1);
+        let is_at = lesson.as_ref().filter(|l| l.of == *of).map(|l| &l.stage);
+        let learner = match is_at {
+            Some(Stage::Over(_)) => None,
+            Some(Stage::Watched(learner, seen)) if is_next(*seen) => Some(learner.clone()),
+            _ => is_next(0).then(|| Arc::new(Learner::new(pass.size))),
+        };
+        let learner = learner.filter(|_| pass.window == whole(pass.size))?;
+        *lesson = None;
+        Some(learner)
+    }
+
+    /// That is how far a render's lesson is now.
+    fn put(&self, of: Key, stage: Stage) {
+        *self.lock() = Some(Lesson { of, stage });
     }
 
     /// What the lessons of that render led to.
     fn led(&self, of: &Key) -> Option<Arc<Led>> {
-        self.lock().as_ref().filter(|l| l.of == *of).and_then(|l| l.led.clone())
+        match &self.lock().as_ref().filter(|l| l.of == *of)?.stage {
+            Stage::Over(led) => Some(led.clone()),
+            Stage::Watched(..) => None,
+        }
     }
 }
 
@@ -105,15 +121,13 @@ impl Renderer {
     /// Add a pass of first samples, and watch it if it is the next lesson.
     fn lesson(&self, of: &Key, film: &mut Film, pass: Pass, handle: &Handle) -> Result<Passed, Error> {
         let can_watch = matches!(self.device, Device::Cpu(_));
-        let learner = can_watch.then(|| self.lessons.watcher(of, &pass)).flatten();
+        let learner = can_watch.then(|| self.lessons.take_watcher(of, &pass)).flatten();
         let with = With { tables: &self.tables, device: &self.device, learner: learner.clone() };
         let (complete, rays) = self.pass_with(with, &of.0, film, pass, handle)?;
         if let (true, Some(learner)) = (complete, learner) {
             let seen = pass.sample + pass.samples;
             let led = self.taught(&learner, seen)?;
-            if let Some(lesson) = self.lessons.lock().as_mut().filter(|l| Arc::ptr_eq(&l.learner, &learner)) {
-                (lesson.seen, lesson.led) = (seen, led);
-            }
+            self.lessons.put(of.clone(), led.map_or(Stage::Watched(learner, seen), Stage::Over));
         }
         Ok((complete, rays))
     }
@@ -139,7 +153,7 @@ impl Renderer {
             led = self.taught(&learner, end)?;
         }
         let led = led.expect("the last lesson was given");
-        *self.lessons.lock() = Some(Lesson { of, learner, seen: LESSONS, led: Some(led.clone()) });
+        self.lessons.put(of, Stage::Over(led.clone()));
         Ok(led)
     }
 
