@@ -116,7 +116,7 @@ fn what_was_learned_is_the_same_whoever_learns_it() {
 
     let mut merged = Film::of_size(size);
     for window in [Window { x: 0, y: 0, width: 7, height: 18 }, Window { x: 7, y: 0, width: 26, height: 18 }] {
-        merged.merge(&of(&first, window, job(0, 40, 5))).expect("a window lies within");
+        merged.merge(&of(&make(Cut::default()), window, job(0, 40, 5))).expect("a window lies within");
     }
     assert!(merged == expected, "windows");
 }
