@@ -78,7 +78,7 @@ struct Ground {
 pub struct LightSums {
     /// How many.
     pub count: AtomicU64,
-    /// Squares of the light that each found, in [`fixed`] numbers.
+    /// Squares of the light that each found, in fixed numbers.
     pub squares: AtomicU64,
     /// Rays that it took.
     pub rays: AtomicU64,
@@ -87,7 +87,7 @@ pub struct LightSums {
 /// Sums over the samples of a pixel.
 #[derive(Default)]
 pub struct PixelSums {
-    /// Luminances, in [`fixed`] numbers.
+    /// Luminances, in fixed numbers.
     pub sum: AtomicU64,
     /// Their squares, likewise.
     pub squares: AtomicU64,
@@ -97,7 +97,7 @@ pub struct PixelSums {
 
 /// Most light that counts, in means of the image: more is rare, and may not rule what is done.
 const MOST: f64 = 1024.0;
-/// Fraction bits of [`fixed`] numbers: 2^24 squares of [`MOST`] have room in 64 bits.
+/// Fraction bits of fixed numbers: 2^24 squares of the most have room in 64 bits.
 const FRACTION_BITS: i32 = 20;
 
 /// Units of [`First::light`] in 1: 2^64.
