@@ -20,6 +20,7 @@ pub mod watch;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
+use super::film::RANGE;
 use super::image_io::luminance;
 use super::tables::memory::Memory;
 use crate::schema::{LearnedGrid, LearnedLight, LearnedPixels, binding};
@@ -166,8 +167,10 @@ impl Learner {
     /// A sample of a pixel, given as column and row of the film, took so many rays.
     pub fn add_sample(&self, [x, y]: [u32; 2], sample: [f32; 3], rays: u32) {
         let Some(ground) = self.ground.get() else {
-            // The sum has room for 2^31 samples of the film's range.
-            self.first().light += (luminance(sample) * FIRST_UNIT) as i128;
+            // The film drops what is not finite or beyond its range: so has the sum room for 2^32 samples.
+            if sample.iter().all(|s| s.abs() <= RANGE) {
+                self.first().light += (luminance(sample) * FIRST_UNIT) as i128;
+            }
             return;
         };
         let sums = &ground.pixels[(y * self.size[0] + x) as usize];
@@ -183,5 +186,19 @@ impl Learner {
         let light = grid::worths(light)?;
         let pixels = pixels::scales(pixels, self.size, LESSONS - 1)?;
         (*unit > 0.0 && unit.is_finite()).then(|| Learned { grid: grid.table(), light, pixels })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_that_the_film_drops_teach_nothing_of_brightness() {
+        let learner = Learner::new([1, 1]);
+        for sample in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX, 1.0] {
+            (0..2).for_each(|_| learner.add_sample([0, 0], [sample; 3], 1));
+        }
+        assert_eq!(learner.first().light, 2 * (luminance([1.0; 3]) * FIRST_UNIT) as i128);
     }
 }
