@@ -8,7 +8,7 @@
 //! q = T · √(M² / c) · √(w C / E)
 //! ```
 //!
-//! (Bolin and Meyer 1997; Rath, Grittmann, Herholz, Weier, Slusallek 2022, "EARS", equation 11, without splitting.) The first root is
+//! (Bolin and Meyer 1997; Rath, Grittmann, Herholz, Weier, Slusallek 2022, "EARS", without splitting.) The first root is
 //! [`LearnedLight`], by the cell and the direction of the ray; the second, inverted, [`LearnedPixels`]. Whatever they hold, the image is
 //! right on average, for q is above 0 wherever light was found.
 

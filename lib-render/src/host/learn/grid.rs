@@ -140,3 +140,43 @@ fn around(row: usize, side: usize) -> usize {
     let half = side / 2;
     ((z * half + y) * half + x) * SETS + set
 }
+
+#[cfg(test)]
+mod tests {
+    use jerboa_ir::Lit;
+    use jerboa_ir::interp::{self, Limits};
+    use jerboa_ir::lang::{F32, Fun, U32, build, entry};
+
+    use super::*;
+    use crate::core::vec::vec3;
+    use crate::host::random::Random;
+    use crate::schema::{BUFFERS, binding, declare_all};
+    use crate::tracer::learned::light_row;
+
+    /// Host and kernels count cells and directions alike: else light is learned in one place and looked up in another.
+    #[test]
+    fn kernels_find_the_row_that_was_filled() {
+        let program = build(|| {
+            declare_all();
+            entry(
+                "row",
+                Fun::<(F32, F32, F32, F32, F32, F32), U32>::named("row", |_, (x, y, z, a, b, c)| {
+                    light_row(vec3(x, y, z), vec3(a, b, c))
+                }),
+            );
+        });
+        let row = program.entry("row").expect("it is its entry");
+        let grid = Grid::around(&mut [[-1.0, 0.0, 5.0], [3.0, 0.5, 9.0], [2.0, 0.25, 6.0]]);
+        let mut memory: Vec<Memory> = BUFFERS.iter().map(|b| Memory { rows: 1, words: vec![0; b.3.len()] }).collect();
+        memory[binding::<LearnedGrid>()] = grid.table();
+        let mut random = Random(7);
+        let mut float = |scale: f32| (random.uniform() as f32 - 0.5) * scale;
+        for _ in 0..1000 {
+            let org = [4.0, 1.0, 6.0].map(|c: f32| c / 2.0 + float(2.0 * c));
+            let dir = [0; 3].map(|_| float(2.0));
+            let args: Vec<Lit> = org.into_iter().chain(dir).map(|x| Lit::F32(x.to_bits())).collect();
+            let found = interp::run(&program, row, &args, &mut memory, Limits::default()).expect("it runs");
+            assert_eq!(found, [Lit::U32(grid.row(org, dir))], "{org:?} {dir:?}");
+        }
+    }
+}

@@ -168,7 +168,7 @@ impl Renderer {
         let Some(learned) = learner.learned() else {
             return Ok(Some(Arc::new(Led { tables: self.tables.clone(), device: None })));
         };
-        let tables = self.tables.with_learned(learned);
+        let tables = self.tables.with(learned.tables());
         let has_tables = matches!(self.device, Device::Gpu(_));
         let device = has_tables.then(|| Device::made(&tables, &self.options)).transpose()?.map(|made| made.0);
         Ok(Some(Arc::new(Led { tables, device })))

@@ -47,7 +47,6 @@ use tree::SceneTree;
 use crate::host::bvh::{Bounds, Dropped};
 use crate::host::device::Traversal;
 use crate::host::film::Window;
-use crate::host::learn::Learned;
 use crate::host::library::Library;
 use crate::host::native::Native;
 use crate::schema::{self, *};
@@ -265,10 +264,10 @@ impl Tables {
         }
     }
 
-    /// The same scene, with what was learned of its light.
-    pub fn with_learned(&self, learned: Learned) -> Tables {
+    /// The same with these in place of others, given by binding, of which no fact is known: bulk alone.
+    pub fn with(&self, others: impl IntoIterator<Item = (usize, Memory)>) -> Tables {
         let mut tables = self.clone();
-        for (binding, memory) in learned.tables() {
+        for (binding, memory) in others {
             tables.memory[binding] = Arc::new(memory);
         }
         tables
