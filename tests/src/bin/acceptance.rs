@@ -2,7 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release -p jerboa-tests --bin acceptance -- [SCENE…] [--seconds S | --spp N] [--renders K]
-//!     [--ray-offset X] [--red CASE] [--device cpu|cpu-scalar|gpu-megakernel|gpu-wavefront]
+//!     [--ray-offset X] [--red CASE] [--device cpu|cpu-scalar|gpu-megakernel|gpu-wavefront] [--defaults]
 //! ```
 //!
 //! Each scene is rendered K times (16), each with a seed of its own, at N samples per pixel or at those that S seconds
@@ -10,7 +10,9 @@
 //! and shifted by a pixel, and the test must fail. With `--red CASE` the scene is spoiled instead, and the test must fail
 //! too: `light` (one emitter dropped), `mask` (alpha ignored). Rays leave surfaces with the offset of the references'
 //! renderer, which lets light through gaps below a millimetre, unless `--ray-offset 0` asks for exact ones. Prints a row of
-//! a table for each comparison; the exit code says whether all came out as they should.
+//! a table for each comparison; the exit code says whether all came out as they should. `--defaults` renders as `jerboa render` does
+//! where nothing is said, by Sobol points and learned roulette, and leaves out the samples that teach; else what the library
+//! chooses is rendered.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -19,8 +21,9 @@ use jerboa_lib_render::host::compare::compare;
 use jerboa_lib_render::host::device::DeviceKind;
 use jerboa_lib_render::host::film::Film;
 use jerboa_lib_render::host::image_io::Image;
+use jerboa_lib_render::host::learn::LESSONS;
 use jerboa_lib_render::host::renderer::{Handle, Options, Render, Renderer};
-use jerboa_lib_render::host::tables::Choices;
+use jerboa_lib_render::host::tables::{Choices, SamplerKind};
 use jerboa_scenes::{AlphaMode, Camera, Scene};
 use jerboa_tests::sources::shared_scenes;
 
@@ -54,6 +57,7 @@ struct Args {
     ray_offset: f32,
     red: Option<Red>,
     device: DeviceKind,
+    defaults: bool,
 }
 
 fn main() -> ExitCode {
@@ -89,6 +93,7 @@ fn parse() -> Result<Args, String> {
         ray_offset: REFERENCE_OFFSET,
         red: None,
         device: DeviceKind::default(),
+        defaults: false,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -105,6 +110,7 @@ fn parse() -> Result<Args, String> {
                     other => return Err(format!("--red {other}: light or mask")),
                 });
             }
+            "--defaults" => args.defaults = true,
             "--device" => {
                 args.device = match value()?.as_str() {
                     "cpu" => DeviceKind::Cpu,
@@ -133,19 +139,23 @@ fn t13(name: &str, args: &Args) -> Result<bool, String> {
     let mut scene = Scene::load(file("matched.glb")).map_err(|e| e.to_string())?;
     spoil(&mut scene, args.red);
     let camera = scene.camera_or_default();
-    let choices =
+    let rules =
         Choices { max_depth: Some(16), consistent_normals: false, ray_offset: args.ray_offset, ..Choices::default() };
+    let sampler = SamplerKind::Sobol { log_scrambles: 0 };
+    let choices = if args.defaults { Choices { sampler, learned_roulette: true, ..rules } } else { rules };
     let renderer = Renderer::new(&scene, Options { choices, device: args.device, ..Options::default() })
         .map_err(|e| e.to_string())?;
 
     let size = [reference.0.width, reference.0.height];
+    let sample = if args.defaults { LESSONS } else { 0 };
     let spp = match args.spp {
         Some(spp) => spp,
         None if name == "cornell-box" => 64,
-        None => affordable(&renderer, &camera, size, args.seconds)?,
+        None => affordable(&renderer, &camera, size, sample, args.seconds)?,
     };
-    let renders: Vec<Image> =
-        (0..args.renders).map(|seed| render(&renderer, &camera, size, spp, seed + 1)).collect::<Result<_, _>>()?;
+    let renders: Vec<Image> = (1..=args.renders)
+        .map(|seed| render(&renderer, &camera, size, Render { sample, spp, seed }))
+        .collect::<Result<_, _>>()?;
     let row = |what: &str, renders: &[Image]| verdict(&format!("{name} | {what} | {spp}"), renders, &reference);
     match args.red {
         Some(Red::Light) => Ok(!row("without one emitter", &renders)?),
@@ -176,18 +186,17 @@ fn verdict(what: &str, renders: &[Image], reference: &(Image, Image)) -> Result<
 }
 
 /// Samples per pixel that so many seconds buy, after a warm-up.
-fn affordable(renderer: &Renderer, camera: &Camera, size: [u32; 2], seconds: f64) -> Result<u32, String> {
-    render(renderer, camera, size, 2, 0)?;
+fn affordable(renderer: &Renderer, camera: &Camera, size: [u32; 2], sample: u32, seconds: f64) -> Result<u32, String> {
+    let of = |spp| render(renderer, camera, size, Render { sample, spp, seed: 0 });
+    of(2)?;
     let start = Instant::now();
-    render(renderer, camera, size, 4, 0)?;
+    of(4)?;
     Ok((seconds / (start.elapsed().as_secs_f64() / 4.0)).max(1.0) as u32)
 }
 
-fn render(renderer: &Renderer, camera: &Camera, size: [u32; 2], spp: u32, seed: u32) -> Result<Image, String> {
+fn render(renderer: &Renderer, camera: &Camera, size: [u32; 2], job: Render) -> Result<Image, String> {
     let mut film = Film::of_size(size);
-    renderer
-        .render_with(camera, &mut film, Render { sample: 0, spp, seed }, &Handle::default())
-        .map_err(|e| e.to_string())?;
+    renderer.render_with(camera, &mut film, job, &Handle::default()).map_err(|e| e.to_string())?;
     Ok(film.mean())
 }
 

@@ -54,9 +54,10 @@ pub enum SamplerArg {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum RouletteArg {
     /// By what of the light that is found would still arrive
-    #[default]
     Throughput,
-    /// By the light that there is still to be found, as the first 16 samples of each pixel tell; for the tracer `path` alone
+    /// By the light that there is still to be found, as the first 16 samples of each pixel tell; other tracers than `path` by
+    /// throughput
+    #[default]
     Learned,
 }
 

@@ -156,14 +156,14 @@ pub fn measure(
 }
 
 /// Samples per pixel that fit into each budget, at least 1: a line through the last two of some renders, each with four times the
-/// samples of the one before, until one takes an eighth of the largest budget or a second. So what a contestant compiles while
-/// it renders counts once.
+/// samples of the one before, until one takes an eighth of the largest budget. So what a contestant compiles while it renders counts
+/// once, and what it learns at first.
 fn plan(contestant: &mut Contestant, job: &Job) -> Result<Vec<u32>, Error> {
     let longest = job.budgets.iter().copied().fold(0.0, f64::max);
     // No seed that counts is used up here.
     let mut probe = |spp| contestant.run(job.size, spp, job.seed.wrapping_sub(1));
     let (mut before, mut last) = (probe(1)?, probe(4)?);
-    while last.render_seconds < (longest / 8.0).min(1.0) && last.spp < MOST_PROBED {
+    while last.render_seconds < longest / 8.0 && last.spp < MOST_PROBED {
         (before, last) = (last.clone(), probe(4 * last.spp)?);
     }
     Ok(job.budgets.iter().map(|budget| fit([&before, &last].map(|r| (f64::from(r.spp), r.seconds)), *budget)).collect())
