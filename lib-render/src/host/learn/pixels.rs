@@ -7,7 +7,9 @@ use super::{PixelSums, real};
 use crate::host::tables::memory::{Memory, Table};
 use crate::schema::LearnedPixels;
 
-/// A pixel's light is the mean over a square that reaches so far beyond it: a few samples tell little of one.
+/// A pixel's light is the median over columns of the medians along rows of a square that reaches so far beyond it: a few samples tell
+/// little of one, and a lamp in the square is nothing to its neighbours. A pixel that is brighter itself is a lamp's, or its mean is
+/// a chance that says little of its error: that counts the less.
 const REACH: usize = 3;
 /// Error counts relative to the square of a pixel's light plus that of this share of the image's mean, as where renderers are compared
 /// (accuracy.md, amendments).
@@ -24,10 +26,11 @@ pub fn scales(pixels: &[PixelSums], [width, height]: [u32; 2], samples: u32) -> 
     let means: Vec<f64> = pixels.iter().map(|p| real(&p.sum) / n).collect();
     let image = means.iter().sum::<f64>() / means.len() as f64;
     let smooth = transposed(
-        &blurred(&transposed(&blurred(&means, width as usize), width as usize), height as usize),
+        &medians(&transposed(&medians(&means, width as usize), width as usize), height as usize),
         height as usize,
     );
-    let weights: Vec<f64> = smooth.iter().map(|mean| 1.0 / (mean * mean + (DARK * image).powi(2))).collect();
+    let weight = |(around, own): (&f64, &f64)| 1.0 / (around.max(*own).powi(2) + (DARK * image).powi(2));
+    let weights: Vec<f64> = smooth.iter().zip(&means).map(weight).collect();
     let variance = |(pixel, mean): (&PixelSums, &f64)| (real(&pixel.squares) - n * mean * mean) / (n - 1.0);
     let variances = pixels.iter().zip(&means).map(variance);
     let error = variances.zip(&weights).map(|(variance, weight)| variance * weight).sum::<f64>();
@@ -43,11 +46,15 @@ pub fn scales(pixels: &[PixelSums], [width, height]: [u32; 2], samples: u32) -> 
     Some(table.finish())
 }
 
-/// Means along rows of this width, of what lies within [`REACH`].
-fn blurred(values: &[f64], width: usize) -> Vec<f64> {
+/// Medians along rows of this width, of what lies within [`REACH`].
+fn medians(values: &[f64], width: usize) -> Vec<f64> {
     let row = |row: &[f64]| -> Vec<f64> {
-        let around = |x: usize| &row[x.saturating_sub(REACH)..(x + REACH + 1).min(row.len())];
-        (0..row.len()).map(|x| around(x).iter().sum::<f64>() / around(x).len() as f64).collect()
+        let median = |x: usize| {
+            let mut around = row[x.saturating_sub(REACH)..(x + REACH + 1).min(row.len())].to_vec();
+            let middle = around.len() / 2;
+            *around.select_nth_unstable_by(middle, f64::total_cmp).1
+        };
+        (0..row.len()).map(median).collect()
     };
     values.chunks(width).flat_map(row).collect()
 }
