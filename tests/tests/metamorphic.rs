@@ -4,6 +4,7 @@
 //! times the samples.
 
 use jerboa_lib_render::host::tables::Choices;
+use jerboa_scenes::builtin::{Builtin, list};
 use jerboa_scenes::{Lens, Material, Scene};
 use jerboa_tests::harness::metamorphic::{
     CHANGES, Renders, brighter, dyadic, medley, scaled, translated, words, words_by,
@@ -89,6 +90,32 @@ fn no_bit_tells_where_a_scene_stands() {
             assert!(words_by(&translated(&scene, by), choices, 24, 2) == here, "{lens:?}, moved by {by}");
         }
     }
+}
+
+/// Where all normals are flat, it changes no bit that shading normals are kept consistent with the surface.
+#[test]
+fn flat_normals_are_consistent_to_the_bit() {
+    let is_flat = |scene: &Scene| {
+        let mapped = |m: &Material| {
+            m.normal_texture.is_some() || m.clearcoat.as_ref().is_some_and(|coat| coat.normal_texture.is_some())
+        };
+        scene.meshes.iter().all(|m| m.normals.is_none()) && !scene.materials.iter().any(mapped)
+    };
+    let built_in = |b: &Builtin| Scene::load(format!("builtin:{}", b.name)).unwrap_or_else(|e| panic!("{e}"));
+    let of = |scene: &Scene, consistent_normals| {
+        words_by(scene, Choices { consistent_normals, ..Choices::default() }, 24, 2)
+    };
+    let (flat, others): (Vec<Scene>, Vec<Scene>) = list().iter().map(built_in).partition(is_flat);
+    for scene in &flat {
+        assert!(of(scene, true) == of(scene, false), "{}", scene.name);
+    }
+    let names = |scenes: &[Scene]| scenes.iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(" ");
+    println!("flat: {}; others: {}", names(&flat), names(&others));
+    // Else nothing is said of what is clear, has holes or textures, or of a tree of lights.
+    for name in ["cornell-box", "glass-trap", "alpha", "textures", "many-lights"] {
+        assert!(flat.iter().any(|scene| scene.name == name), "{name} has normals");
+    }
+    assert!(others.iter().any(|scene| of(scene, true) != of(scene, false)), "it changes bits nowhere");
 }
 
 /// Each lobe of that scene is seen: by a thousandth of a number of it bits change.
